@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, product
+from typing import NamedTuple
 
 import numpy as np
 
@@ -92,27 +93,35 @@ def makes_no_law(effect: ActiveEffect) -> bool:
     return not isinstance(effect.effect, MediumEffect) or effect.effect.of_degree is None
 
 
-def takes_its_place(found: Selection, other: Selection, most: float) -> bool:
-    """Whether what is named beside another law is likelier than what is named beside the law (Schwarz, as in
-    prices.py), and leaves less than a share of what the law alone does beyond chance.
+class Misfits(NamedTuple):
+    """RMS over the noise of the windows that all predict: what the law alone, what is named beside it, and what is
+    named beside another law miss them by."""
 
-    All of the windows that all predict, by their noise.
-    """
+    alone: float
+    named: float
+    beside: float
+
+
+def misfits(found: Selection, other: Selection) -> Misfits:
+    """Of a selection, and of one beside another law."""
     ours, theirs = found.motion.tracks, other.motion.tracks
-    alone, named, beside = misses(found.motion, [(ours, found.null), (ours, found.best), (theirs, other.best)])
+    return Misfits(*misses(found.motion, [(ours, found.null), (ours, found.best), (theirs, other.best)]))
+
+
+def takes_its_place(found: Selection, other: Selection, left: Misfits, most: float) -> bool:
+    """Whether what is named beside another law is likelier than what is named beside the law (Schwarz, as in
+    prices.py), and leaves less than a share of what the law alone does beyond chance."""
     count = float(found.best.evidence.count.sum())
-    dearer = max(1.0, beside**2) * (_price(other, count) - _price(found, count))
-    return count * (named**2 - beside**2) > dearer and beside**2 - 1 < most**2 * (alone**2 - 1)
+    dearer = max(1.0, left.beside**2) * (_price(other, count) - _price(found, count))
+    likelier = count * (left.named**2 - left.beside**2) > dearer
+    return likelier and beyond_chance(left.beside) < most * beyond_chance(left.alone)
 
 
 def _price(selection: Selection, count: float) -> float:
     """Of all numbers of an explanation, those of its law included."""
     own = [e for e in selection.motion.held if e.effect in of_laws()]
     effects = selection.best.effects
-    numbers = 1 + sum(len(e.effect.parameters) for e in (*own, *effects))
-    return numbers * float(np.log(max(count, 2.0))) + len(effects) * gained_by_chance(
-        len(candidates_of(selection.null))
-    )
+    return _of_numbers([*own, *effects], count) + len(effects) * gained_by_chance(len(candidates_of(selection.null)))
 
 
 def on_rival(model: Model, law: Law) -> Model | None:
@@ -128,6 +137,11 @@ def on_rival(model: Model, law: Law) -> Model | None:
 def _acting(effects: Sequence[ActiveEffect], law: str) -> list[ActiveEffect]:
     """Effects that act in a medium of this law."""
     return [e for e in effects if e.effect.acts_in(law)]
+
+
+def _of_numbers(effects: Sequence[ActiveEffect], count: float) -> float:
+    """Price of the effects' numbers, each ln n."""
+    return sum(len(e.effect.parameters) for e in effects) * float(np.log(max(count, 2.0)))
 
 
 def _alone(found: Selection, model: Model, without: Collection[str]) -> Fit | None:
@@ -154,9 +168,9 @@ def by_its_own_numbers(motion: Motion, model: Model, least_ratio: float, without
     values = [[(share * speed, *e.coordinates[1:-1]) for share in CREEPING] for e in effects]
     ratios = np.geomspace(least_ratio, 1.0, RATIOS)
     starts = [(eps, *chain.from_iterable(rest)) for eps in ratios for rest in product(*values)]
-    begun = in_processes([(_fit, (motion, model, effects, np.array(x), 0)) for x in starts])
+    begun = in_processes([(fit, (motion, model, effects, np.array(x), 0)) for x in starts])
     near = sorted(begun, key=_missed)[:POLISHED]
-    fits = in_processes([(_fit, (motion, model, effects, f.coordinates, TO_THE_END)) for f in near])
+    fits = in_processes([(fit, (motion, model, effects, f.coordinates, TO_THE_END)) for f in near])
     return min(fits, key=_missed)
 
 
@@ -167,10 +181,9 @@ def settled_numbers(found: Selection) -> Model | None:
     own = [e for e in motion.held if e.effect in of_laws()]
     others = tuple(e for e in motion.held if e.effect not in of_laws())
     x = np.array([best.coordinates[0], *(c for e in own for c in e.coordinates[:-1]), *best.coordinates[1:]])
-    again = _fit(replace(motion, held=others), best.model, [*own, *best.effects], x, TO_THE_END) if own else best
+    again = fit(replace(motion, held=others), best.model, [*own, *best.effects], x, TO_THE_END) if own else best
     count = float(best.evidence.count.sum())
-    numbers = sum(len(e.effect.parameters) for e in own) * float(np.log(max(count, 2.0)))
-    if best.chi2 - again.chi2 <= numbers * max(1.0, again.chi2 / count):
+    if best.chi2 - again.chi2 <= _of_numbers(own, count) * max(1.0, again.chi2 / count):
         return None
     return replace(again.model, effects=(*others, *again.effects[: len(own)]))
 
@@ -186,7 +199,7 @@ def _named(found: Selection, model: Model, alone: Fit) -> Fit:
     effects = _acting(found.best.effects, model.medium.law)
     own, resting = list(alone.effects), [p.resting for e in effects for p in e.effect.parameters]
     x = np.array([*alone.coordinates, *resting])
-    both = _fit(found.motion, model, [*own, *effects], x, TO_THE_END) if effects else alone
+    both = fit(found.motion, model, [*own, *effects], x, TO_THE_END) if effects else alone
     return both if np.isfinite(_missed(both)) else alone
 
 
@@ -194,10 +207,6 @@ def _missed(fit: Fit) -> float:
     """Chi squared of a window that has a root; infinite: none has."""
     count = float(fit.evidence.count.sum())
     return fit.chi2 / count if count else np.inf
-
-
-def _fit(motion: Motion, model: Model, effects: list[ActiveEffect], x: Floats, steps: int) -> Fit:
-    return fit(motion, model, effects, x, steps)
 
 
 def misses(motion: Motion, fits: Sequence[tuple[Sequence[Track], Fit]]) -> list[float]:

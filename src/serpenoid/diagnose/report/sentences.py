@@ -18,6 +18,7 @@ from serpenoid.diagnose.report.words import (
     unseen,
 )
 from serpenoid.effects.catalogue import find
+from serpenoid.media import DEFAULT, LAWS
 from serpenoid.wording import NOT_NAMED
 
 UNSAID = (
@@ -99,7 +100,7 @@ def rival_law(record: Record) -> list[str]:
     other, follow = record["law"], "to look for causes beside it: diagnose with a --model whose [medium] has"
     rivals, taken = other.get("rivals", {}), other.get("taken")  # neither in older answers
     told = [*((said, f'law = "{name}"') for name, said in [*rivals.items()][:1]), (other["drag_at"], MIDDLES)]
-    keep = 'to keep linear drag: a --model whose [medium] has law = "viscous"'
+    keep = f'to keep {LAWS[DEFAULT].title}: a --model whose [medium] has law = "{DEFAULT}"'
     found = [taken, keep] if taken else []
     for said, key in told:
         found += [said, *([] if said.endswith(NEITHER) else [f"{follow} {key}"])] if said else []

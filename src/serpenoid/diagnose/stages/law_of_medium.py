@@ -11,8 +11,9 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.bounds import LEAST_EPS
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.laws import (
+    Misfits,
     by_its_own_numbers,
-    misses,
+    misfits,
     numbers_of,
     rival_laws,
     settled_numbers,
@@ -51,20 +52,19 @@ def law_of(
     for rival in (r for r in rivals.values() if r.promising and baseline.law_open):
         other = replace(baseline, model=rival.model)
         selection, other = numbers_settled(search(other), other, search)
-        (left,) = misses(found.motion, [(selection.motion.tracks, selection.best)])
-        if left < elsewhere and takes_its_place(found, selection, LAW_ERROR):
-            return Taken(selection, other, in_words(found, selection, other))
+        left = misfits(found, selection)
+        if left.beside < elsewhere and takes_its_place(found, selection, left, LAW_ERROR):
+            return Taken(selection, other, in_words(found, selection, left, other))
     open_question = unclear(found.best)
     told = {name: r.words for name, r in rivals.items() if r.words and (r.better or open_question)}
     return Taken(rivals=told)
 
 
-def in_words(found: Selection, other: Selection, baseline: Baseline) -> str:
+def in_words(found: Selection, other: Selection, left: Misfits, baseline: Baseline) -> str:
     """Why the other law is taken, and the numbers that its baseline has."""
-    misfits = misses(found.motion, [(s.motion.tracks, s.best) for s in (found, other)])
     (before, then), (after, now) = (
         (s.null.model.law.title + (" with what is named" if s.best.effects else ""), f"{misfit:.1f}")
-        for s, misfit in zip((found, other), misfits, strict=True)
+        for s, misfit in zip((found, other), (left.named, left.beside), strict=True)
     )
     own = (e for e in baseline.model.effects if e.effect in of_laws())
     numbers = [
