@@ -25,7 +25,7 @@ from serpenoid.diagnose.data.noise import residuals, window_noise
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import repeated
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.repeats import by_setting
+from serpenoid.diagnose.data.repeats import UNLIKE, by_setting
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.diagnose import Diagnosis, record
@@ -43,7 +43,6 @@ from serpenoid.effects.base import Parameter
 from serpenoid.measure.clock import bridged
 from serpenoid.model import Model
 
-UNLIKE = 3.0  # times the earlier largest difference between repeats: a push, not the same chance on another motion
 Setting = tuple[str, float]
 
 

@@ -42,13 +42,18 @@ class Noise:
         return np.hypot(self.chance(track), track.doubt)
 
 
+# of settings: how far apart paths of repeats are, RMS [m] over sqrt 2, and of how many pairs
+Apart = tuple[tuple[tuple[str, float], float, int], ...]
+
+
 class Repeated(NamedTuple):
     """How far apart paths of repeats are, over what the noise of their windows adds up to, squared; how many pairs tell
-    that; how many numbers their windows are worth (`Memory.scattered`)."""
+    that; how many numbers their windows are worth (`Memory.scattered`); the same in metres, by settings."""
 
     square: float = 1.0
     pairs: int = 0
     scattered: tuple[float, ...] = ()
+    apart: Apart = ()
 
     def beside(self, other: Repeated) -> Repeated:
         """Told by both."""

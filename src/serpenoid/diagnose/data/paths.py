@@ -16,7 +16,7 @@ from scipy.special import ndtri
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import CONFIDENCE, largest_factor
 from serpenoid.diagnose.data.geometry import GYRATION, turn
-from serpenoid.diagnose.data.motion import Motion, Repeated
+from serpenoid.diagnose.data.motion import Apart, Motion, Repeated
 from serpenoid.diagnose.data.noise import noise_uncertain, residuals
 from serpenoid.diagnose.data.repeats import laid_alike
 from serpenoid.diagnose.data.windows import Prediction, Track
@@ -85,7 +85,15 @@ def path_noise(motion: Motion, predictions: Sequence[Prediction], left: Sequence
 def repeated(motion: Motion, predictions: Sequence[Prediction]) -> Repeated:
     """What trials that were laid alike tell."""
     by_paths = _of_windows(motion, predictions, residuals(motion.tracks, predictions))[2]
-    return by_paths._replace(scattered=motion.noise.memory.scattered)
+    return by_paths._replace(scattered=motion.noise.memory.scattered, apart=apart_by_setting(motion, predictions))
+
+
+def apart_by_setting(motion: Motion, predictions: Sequence[Prediction]) -> Apart:
+    """Of trials that were laid alike."""
+    found: dict[tuple[str, float], list[float]] = {}
+    for number, squared in _differing(motion, predictions, residuals(motion.tracks, predictions)).items():
+        found.setdefault(motion.tracks[number].recording.setting, []).append(squared)
+    return tuple((setting, float(np.sqrt(np.mean(squares))), len(squares)) for setting, squares in found.items())
 
 
 def _of_windows(

@@ -18,6 +18,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.windows import Track
 
+UNLIKE = 3.0  # times the earlier largest difference between repeats: a push, not the same chance on another motion
 ALIKE = 1 / 3  # of what the room does at most in the difference of two trials that were laid alike
 
 

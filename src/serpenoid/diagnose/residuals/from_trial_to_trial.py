@@ -10,6 +10,9 @@ that is worth. What repeats of a reference already differed by is no news. Where
 were played on several days), one number of each trial is held against what is left: that is a hint, for gaits differ by
 another law of the floor, too.
 
+Beside a reference that was played twice, too, chance is known: paths of repeats that are farther apart than they were
+then are news (`more_than_before`).
+
 Legend: P pairs, K windows that were played twice.
 """
 
@@ -21,22 +24,25 @@ import numpy as np
 from scipy.special import fdtri
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import LEFT
+from serpenoid.diagnose.data.chance import LEFT, largest_factor
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
-from serpenoid.diagnose.data.repeats import pairs, repeats
-from serpenoid.diagnose.data.windows import Prediction
+from serpenoid.diagnose.data.paths import apart_by_setting, path_rms
+from serpenoid.diagnose.data.repeats import UNLIKE, pairs, repeats
+from serpenoid.diagnose.data.windows import Prediction, predictions
+from serpenoid.model import Model
 from serpenoid.simulation.sensitivity import EPS
+from serpenoid.wording import listed
 
 TINY = 1e-300
 MOST = 0.5  # of the squares that repeats differ by: then it is what they differ by
 
 
-def as_floors_do(motion: Motion, predictions: Sequence[Prediction], eps: float) -> tuple[str, ...]:
+def as_floors_do(motion: Motion, predicted: Sequence[Prediction], eps: float) -> tuple[str, ...]:
     """What is said of trials of one setting that differ so, or nothing; eps: of the model that predicts."""
     if any(t.noise is not None for t in motion.tracks) or not pairs(motion.tracks):
         return ()
-    left, chance, moves = _parts(motion, predictions)
+    left, chance, moves = _parts(motion, predicted)
     explained, rest = 0.0, []
     for repeat in repeats(motion.tracks):
         (one, other), (sd, _), (by, _) = (repeat.both(x) for x in (left, chance, moves))
@@ -60,11 +66,11 @@ def as_floors_do(motion: Motion, predictions: Sequence[Prediction], eps: float) 
     )
 
 
-def one_in_each(motion: Motion, predictions: Sequence[Prediction], eps: float) -> tuple[str, ...]:
+def one_in_each(motion: Motion, predicted: Sequence[Prediction], eps: float) -> tuple[str, ...]:
     """What is said where something is left, and an anisotropy ratio of its own in each trial takes most of it away."""
     if any(t.noise is not None for t in motion.tracks):
         return ()
-    parts = [(x / c, m / c) for x, c, m in zip(*_parts(motion, predictions), strict=True)]
+    parts = [(x / c, m / c) for x, c, m in zip(*_parts(motion, predicted), strict=True)]
     steps, gained = zip(*(_step(*p) for p in parts), strict=True)
     share = sum(gained) / max(sum(float(np.nansum(x**2)) for x, _ in parts), TINY)
     if share <= MOST:
@@ -76,10 +82,45 @@ def one_in_each(motion: Motion, predictions: Sequence[Prediction], eps: float) -
     )
 
 
-def _parts(motion: Motion, predictions: Sequence[Prediction]) -> tuple[list[Floats], list[Floats], list[Floats]]:
+def more_than_before(motion: Motion, model: Model) -> tuple[str, ...]:
+    """What is said where paths of repeats are much farther apart than those of the same settings were in an earlier
+    campaign: a change acts in some trials, and what it does there is no chance. model: of which eps is fitted."""
+    if motion.ratio is None or not motion.earlier.apart:
+        return ()
+    before_it = Model(model.body, model.medium.with_ratio(motion.ratio), motion.held)
+    predicted = predictions(before_it, motion.tracks)
+    now, then = ({s: told for s, *told in of} for of in (apart_by_setting(motion, predicted), motion.earlier.apart))
+    both = now.keys() & then.keys()
+    if not both:
+        return ()
+    (level, pairs), (before, earlier) = (_pooled([told[s] for s in both]) for told in (now, then))
+    ratio = level / max(before, TINY)
+    if ratio <= max(UNLIKE, largest_factor(float(np.sqrt(0.5 / pairs + 0.5 / earlier)))):
+        return ()
+    most = before * largest_factor(float(np.sqrt(0.5 / earlier + 0.5)))
+    tracks = [(t, p) for t, p in zip(motion.tracks, predicted, strict=True) if t.recording.setting in both]
+    off = {t.recording.name: path_rms(t, p) > most for t, p in tracks}
+    alike, other = ([f"`{name}`" for name, is_off in off.items() if is_off is wanted] for wanted in (False, True))
+    words = f"trials of one setting differ by {ratio:.{1 if ratio < 10 else 0}f} times as much as in the reference"
+    if not alike or not other:
+        return (f"{words}: what has changed does not act in all of them alike",)
+    which = f"{listed(other)} do not" if len(other) <= len(alike) else f"{listed(alike)} do, the others do not"
+    return (
+        f"{words}: {which} move as the reference predicts. Did something change amid the campaign? Diagnose those that "
+        "do not, alone, with the same `--reference`",
+    )
+
+
+def _pooled(told: Sequence[Sequence[float]]) -> tuple[float, int]:
+    """RMS of several, and of how many pairs."""
+    pairs = sum(count for _, count in told)
+    return float(np.sqrt(sum(count * rms**2 for rms, count in told) / pairs)), int(pairs)
+
+
+def _parts(motion: Motion, predicted: Sequence[Prediction]) -> tuple[list[Floats], list[Floats], list[Floats]]:
     """Of each track what is left, what chance makes, and what eps moves (W, 3)."""
-    moves = [p.by((EPS,))[..., 0] for p in predictions]
-    return residuals(motion.tracks, predictions), [motion.noise.chance(t) for t in motion.tracks], moves
+    moves = [p.by((EPS,))[..., 0] for p in predicted]
+    return residuals(motion.tracks, predicted), [motion.noise.chance(t) for t in motion.tracks], moves
 
 
 def _step(left: Floats, by: Floats) -> tuple[float, float]:

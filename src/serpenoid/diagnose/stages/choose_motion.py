@@ -33,7 +33,7 @@ from serpenoid.diagnose.inference.names import Key, Refused, Weak
 from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.profile import in_its_range
 from serpenoid.diagnose.inference.select import Retrack, Selection, calibrated, retracked, select
-from serpenoid.diagnose.residuals.from_trial_to_trial import as_floors_do, one_in_each
+from serpenoid.diagnose.residuals.from_trial_to_trial import as_floors_do, more_than_before, one_in_each
 from serpenoid.diagnose.residuals.residual_words import astray, pattern
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.law_of_medium import SAME, law_of, numbers_settled, with_own_numbers
@@ -314,4 +314,5 @@ def _left_over(found: Selection, parts: Differing | None, mend: bool) -> tuple[s
         pattern(motion, predictions, path_error(motion, predictions, mend)),
         as_floors_do(motion, predictions, eps),
     )
+    floors = floors or more_than_before(motion, found.null.model)
     return (*words, *(floors or (one_in_each(motion, predictions, eps) if words else ())))
