@@ -205,6 +205,11 @@ def test_a_fault_that_all_trials_share_is_said_once_with_the_trials(tmp_path):
     ) as error:
         read_files(*load_campaign_file(tmp_path))
     assert str(error.value).count("a tidy file has `t_s` here") == 1
+    for second, name in enumerate(names):
+        (tmp_path / f"{name}.csv").write_text(f"t_s,x_0,y_0\n2026-03-04T10:20:3{second}.5,0.1,0.2\n")
+    with pytest.raises(InputError, match=r"trials `one`, `two`, `three`: .*got '2026-03-04T10:20:30.5'") as error:
+        read_files(*load_campaign_file(tmp_path))
+    assert str(error.value).count("Dates and times of day are not read") == 1
 
 
 def test_a_film_whose_name_ends_as_a_joint_table_is_called_is_named_in_full(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -28,6 +29,7 @@ from serpenoid.parallel import in_processes
 
 Progress = Callable[[int, int, str], None]
 T = TypeVar("T")
+CELL = re.compile(r"(?<=, got )'[^']*'")  # what a cell of one file holds
 FEWEST_FRAMES = 8  # less is no motion
 UNSEEN = "Give `edge_lengths`, or is `minimum_score` in [motion] too high (DeepLabCut: 0.6 unless given)?"
 
@@ -102,18 +104,21 @@ def _of_file(entry: TrialEntry, words: str) -> tuple[str, str, str]:
 
 
 def by_words(faults: Sequence[tuple[str, str] | tuple[str, str, str, str]]) -> str:
-    """Lines `trials NAMES: FILES: WORDS` of (trial, words, folder, file): what is said of several is said once."""
+    """Lines `trials NAMES: FILES: WORDS` of (trial, words, folder, file): what is said of several is said once, with
+    what the first one's file has there."""
     trials: dict[str, list[str]] = {}
     files: dict[str, list[str]] = {}
-    folders: dict[str, str] = {}
+    first: dict[str, tuple[str, str]] = {}
     for trial, words, *file in faults:
-        trials.setdefault(words, []).append(f"`{trial}`")
-        files.setdefault(words, []).extend(file[1:])
-        folders.setdefault(words, "".join(file[:1]))
+        alike = CELL.sub("", words)
+        trials.setdefault(alike, []).append(f"`{trial}`")
+        files.setdefault(alike, []).extend(file[1:])
+        first.setdefault(alike, ("".join(file[:1]), words))
     said = []
-    for words, names in trials.items():
-        of = ", ".join(dict.fromkeys(files[words]))
-        where = f"{folders[words]}{of}: " if of else ""
+    for alike, names in trials.items():
+        folder, words = first[alike]
+        of = ", ".join(dict.fromkeys(files[alike]))
+        where = f"{folder}{of}: " if of else ""
         said.append(f"trial{'s' * (len(names) > 1)} {', '.join(names)}: {where}{words}")
     return "\n".join(said)
 
