@@ -98,9 +98,19 @@ def with_values(model: Model, effects: Sequence[ActiveEffect], x: Floats, held: 
 def _awake(effect: ActiveEffect) -> ActiveEffect:
     if not effect.is_neutral:
         return effect
-    nudged = [c + 1e-9 * max(abs(p.coordinate(p.typical)), 1e-6) for c, p in
-              zip(effect.coordinates, effect.effect.parameters, strict=False)]  # fmt: skip
-    return effect.with_coordinates(nudged)
+    parameters = effect.effect.parameters
+    return effect.with_coordinates([c + _nudge(p) for c, p in zip(effect.coordinates, parameters, strict=False)])
+
+
+def _nudge(p: Parameter) -> float:
+    """So little that it changes nothing."""
+    return 1e-9 * max(abs(p.coordinate(p.typical)), 1e-6)
+
+
+def moved(found: Fit, column: int) -> bool:
+    """Whether a coordinate of a fit is not where its effect changes nothing."""
+    p = [p for e in found.effects for p in e.effect.parameters][column - 1]
+    return bool(abs(found.coordinates[column] - p.resting) > 2 * _nudge(p))
 
 
 def linearised(

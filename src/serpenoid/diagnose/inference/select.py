@@ -33,6 +33,7 @@ from serpenoid.diagnose.inference.medium import (
     fit_guided,
     fit_on,
     fit_without,
+    moved,
 )
 from serpenoid.diagnose.inference.names import Kept, Key, Try, bare_of, each_without, kept, trace
 from serpenoid.diagnose.inference.places import placed
@@ -181,7 +182,7 @@ def all_at_once(motion: Motion, best: Fit, tries: int) -> Fit:
         others = [e for e in best.effects if e.name != name]
         effects = [*others, *(c for c in everywhere if c.name == name)]
         found = fit(motion, best.model, effects, coordinates_of(best.model, effects), TO_THE_END, best.predictions)
-        found = _told(motion, found, tries)
+        found = told(motion, found, tries)
         better = choose(best, [found], tries) is not None and _foretold(found) < _foretold(best)
         if better and information_criterion(motion, found) < information_criterion(motion, best):
             best = pruned(motion, found, tries)
@@ -193,7 +194,7 @@ def _foretold(found: Fit) -> float:
     return found.evidence.held_out(range(len(found.coordinates)))
 
 
-def _told(motion: Motion, found: Fit, tries: int) -> Fit:
+def told(motion: Motion, found: Fit, tries: int) -> Fit:
     """Without effects that gain no more than their price (prices.py) beside those that are left, the least first: which
     it is, to first order; the others are fitted again."""
     while found.effects:
@@ -218,7 +219,7 @@ def _gained(found: Fit) -> list[float]:
     now = bare.chi2(every)
     spread, gains = max(1.0, now / float(bare.count.sum())), []
     for own in found.columns:
-        held = bool(silent[list(own)].all() and any(found.coordinates[c] != resting[c - 1] for c in own))
+        held = bool(silent[list(own)].all() and any(moved(found, c) for c in own))
         gains.append(np.inf if held else (bare.chi2([c for c in every if c not in own]) - now) / spread)
     return gains
 

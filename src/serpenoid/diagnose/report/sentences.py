@@ -312,6 +312,8 @@ def held_out(record: Record) -> list[str]:
     before, after, noise = (shown(x, unit) for x in (rms["before"], rms["after"], record["noise_level_m"]))
     better = "" if rms["before"] == rms["after"] else f" -> {after} by the extended model"
     said = [f"path RMS {before}{better} (noise level {noise})"]
+    if record.get("only_predicts"):  # not in older answers
+        said += [f"it holds what only predicts, and is no name: {few([title(e) for e in record['only_predicts']])}"]
     if in_sample(record):
         return [*said, "of one trial nothing can be held out"]
     return said + left_open(record) + unreliable(record)
