@@ -3,7 +3,10 @@ several that differ much."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,9 +21,10 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.inference import select
 from serpenoid.diagnose.inference.differing import _Drawn
 from serpenoid.diagnose.inference.evidence import Evidence
-from serpenoid.diagnose.inference.medium import TO_THE_END, candidates_of, fit
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, with_values
 from serpenoid.diagnose.inference.select import all_at_once, calibrated, one_for_several
 from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.effects.active import ActiveEffect
@@ -102,3 +106,29 @@ def test_several_worn_wheels_are_found_at_once_where_the_first_that_was_found_is
     found = all_at_once(motion, begun, len(candidates_of(begun)))
     assert found.chi2 < 0.5 * begun.chi2
     assert {e.place: e.parameters["seizure"] for e in found.effects} == pytest.approx(worn, abs=0.1)
+
+
+@pytest.mark.parametrize(("joints", "asked"), [((1, 2, 3, 4, 5, 6), True), ((3,), False)])
+def test_more_places_that_all_tell_than_a_body_of_so_many_joints_has_mend_the_law_and_are_no_cause(
+    joints: tuple[int, ...], asked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = Model(Body(vertices=8, joints=joints), Medium(anisotropy_ratio=0.2))
+    told: list[set[str]] = []
+
+    def fitted(motion: Motion, about: Model, effects: list[ActiveEffect], x: np.ndarray, *_: object) -> Fit:
+        """All of them, by 0.1 and sure to 1e-3, and chance is left."""
+        known = 1e6 * np.tile(np.eye(len(x)), (2, 1, 1))
+        evidence = Evidence(known, np.zeros((2, len(x))), np.full(2, 50.0), np.full(2, 50.0))
+        return Fit(with_values(about, effects, x + 0.1), evidence, (), 100.0)
+
+    def kept(_: Motion, found: Fit, tries: int) -> Fit:
+        told.append({e.name for e in found.effects})
+        return found
+
+    monkeypatch.setattr(select, "fit", fitted)
+    monkeypatch.setattr(select, "_told", kept)
+    monkeypatch.setattr(select, "choose", lambda *_: None)
+    motion: Any = SimpleNamespace(untestable=frozenset())
+    poor = replace(fitted(motion, model, [], np.array([0.2])), chi2=1e4)
+    assert all_at_once(motion, poor, len(candidates_of(poor))) is poor
+    assert ({"load"} in told) == asked

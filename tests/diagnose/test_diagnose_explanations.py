@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,11 +11,13 @@ import pytest
 
 from serpenoid.body import Body
 from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.inference import explanations
 from serpenoid.diagnose.inference.discrepancy import least_deviance
 from serpenoid.diagnose.inference.explanations import Likely, acts, another
 from serpenoid.diagnose.inference.names import Try
 from serpenoid.diagnose.reference import Explanation, Reference
+from serpenoid.diagnose.stages.choose_motion import with_a_path
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -87,3 +90,33 @@ def test_a_reference_beside_another_explanation_has_it_first() -> None:
     assert other.ratio == 0.3
     assert [e.model for e in other.explained] == [models[2], models[0], models[1]]
     assert other.inadequate
+
+
+def test_where_an_explanation_has_no_path_the_next_one_is_the_baseline_and_eps_alone_the_last() -> None:
+    body, unknown = Body(vertices=4), np.ones(3)
+    models = [
+        Model(body, Medium(anisotropy_ratio=0.1), effects) for effects in ((DRIFT,), (), (SLOPE,), (DRIFT, SLOPE))
+    ]
+    explained = tuple(Explanation(m, chi2, {}) for m, chi2 in zip(models, (1.0, 2.0, 5.0, 4.0), strict=True))
+    plays: Any = None
+    then = Reference(models[0], Observation.neutral(body), explained, unknown, unknown, plays, 0.003)
+    tried: list[Model] = []
+
+    def beside(baseline: Any) -> Any:
+        tried.append(baseline.model)
+        if baseline.model.effects:
+            raise NoPath("g0r1")
+        return baseline.model
+
+    found, last = with_a_path(then, beside)
+    assert tried == [models[0], models[3], models[2], models[1]]
+    assert found == models[1]
+    assert [e.model for e in last.explained] == [models[1]]  # type: ignore[attr-defined]
+    assert len(last.remarks) == 3
+    assert last.remarks[0] == (
+        "the reference is explained by `frame_drift` and `slope`, not by `frame_drift`: steps of that model have no "
+        "root along the shapes of trial `g0r1`"
+    )
+    assert "explained by eps alone, not by `slope`" in last.remarks[2]
+    with pytest.raises(NoPath):
+        with_a_path(replace(last, model=models[0], explained=explained[:1]), beside)

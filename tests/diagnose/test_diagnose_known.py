@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from serpenoid.body import Body
 from serpenoid.diagnose.campaign import diagnose_campaign
 from serpenoid.diagnose.data.observation import values_of
+from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.diagnose import Diagnosis
 from serpenoid.diagnose.start import taken_for_granted, unlike_body, unlike_kind
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -77,3 +81,22 @@ def test_known_effects_are_taken_for_granted_at_their_own_stages() -> None:
     for effect in (zero, play, marker, scale):
         np.testing.assert_allclose(values_of(body, seen, *effect.key), list(effect.parameters.values()))
     assert np.count_nonzero(seen.zeros) == np.count_nonzero(seen.gaps) == 1
+
+
+def test_a_model_file_whose_steps_have_no_root_is_refused_with_its_effects(
+    campaign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def without_root(*_: Any) -> Any:
+        raise pickle.loads(pickle.dumps(NoPath("g0r1")))  # as another process sends it
+
+    monkeypatch.setattr("serpenoid.diagnose.campaign.diagnose", without_root)
+    extreme = tmp_path / "extreme.toml"
+    effects = ('name = "power_law_drag"\nexponent = 0\n', 'name = "rough_skin"\nplace = 5\nroughness = 20\n')
+    extreme.write_text("".join(f"[[effects]]\n{e}" for e in effects))
+    with pytest.raises(InputError) as refused:
+        diagnose_campaign(campaign, extreme)
+    assert str(refused.value) == (
+        f"{extreme}: trial `g0r1`: steps of this model have no root, so that it says nothing of how the body moved "
+        "there. Drop one of its effects, or set it nearer to the value that changes nothing: `power_law_drag` "
+        "(exponent = 0) and `rough_skin at vertex 5` (roughness = 20)."
+    )

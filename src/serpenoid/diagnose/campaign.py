@@ -9,6 +9,7 @@ from pathlib import Path
 from serpenoid.compare.calibrate import anisotropy, drag_ratio
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.tracked import tracked_recordings
+from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import Searched
@@ -18,6 +19,7 @@ from serpenoid.diagnose.start import (
     baseline,
     check_body,
     law_is_open,
+    rootless,
     taken_for_granted,
     unlike_body,
     unlike_kind,
@@ -78,4 +80,7 @@ def diagnose_campaign(
     known.check(body)
     _, recordings = read_recordings(campaign, reading, files)
     recordings = tuple(r.with_middles() for r in recordings) if middles else recordings
-    return file, diagnose(recordings, known, say, searched, climbed)
+    try:
+        return file, diagnose(recordings, known, say, searched, climbed)
+    except NoPath as none:
+        raise InputError(rootless(str(model or campaign), none, known.model.effects)) from none

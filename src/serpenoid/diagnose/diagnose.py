@@ -314,7 +314,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "mend_first": [stage.mend for stage in d.stages if stage.mend],
         "used_s": usage.used_s,
         "dropped_s": usage.dropped_s,
-        "remarks": list(remarks(found.motion.tracks)),
+        "remarks": [*d.baseline.remarks, *remarks(found.motion.tracks)],
         "ladder": [step.record() for step in d.ladder],
         "residual_maps": residual_maps(found.motion, found.null.predictions, found.best.predictions),
         "next_experiment": None,

@@ -42,6 +42,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import Parameter
 from serpenoid.measure.clock import bridged
 from serpenoid.model import Model
+from serpenoid.wording import listed
 
 Setting = tuple[str, float]
 
@@ -197,6 +198,19 @@ class Reference(Baseline):
         explained = sorted(self.explained, key=lambda e: e.model != model)
         return replace(self, model=model, explained=tuple(explained))
 
+    def instead(self, trial: str) -> Reference | None:
+        """With what explains it best of what is left without the model, which is no explanation of shapes along which
+        its steps have no root; where nothing with effects does, with eps alone."""
+        left = sorted((e for e in self.explained if e.model != self.model), key=lambda e: (not e.model.effects, e.chi2))
+        if not left:
+            return None
+        then, now = (called(m) for m in (self.model, left[0].model))
+        remark = (
+            f"the reference is explained by {now}, not by {then}: steps of that model have no root along the shapes of "
+            f"trial `{trial}`"
+        )
+        return replace(self, model=left[0].model, explained=tuple(left), remarks=(*self.remarks, remark))
+
     def begun(self, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
         """Trials whose logs do not say when they began, where their readings meet what servos did before as those of
         the same gait did then: what the model habitually misses has its moment in the cycle."""
@@ -337,6 +351,11 @@ def in_other_cycles(mean: Floats, noise: Floats, phase: Floats) -> tuple[Floats,
 def _played(track: Track) -> Floats:
     """The joint table of a trial; empty where there is none."""
     return track.recording.schedule.table if isinstance(track.recording, Recording) else np.empty((0, 0))
+
+
+def called(model: Model) -> str:
+    """What explains a reference, in words."""
+    return listed([f"`{e.called}`" for e in model.effects]) if model.effects else "eps alone"
 
 
 KEPT = (

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from serpenoid.body import Body
+from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
@@ -18,6 +19,7 @@ from serpenoid.files.schema import Record
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.medium import OpenMedium
 from serpenoid.model import Model
+from serpenoid.wording import listed
 
 SAME = 0.01  # of the mean: numbers of a body that two files give alike, but for rounding
 ANEW = ("rate", "jumps")  # marks of what differs between recordings
@@ -107,6 +109,18 @@ def check_body(path: str | Path | None, file: CampaignFile) -> None:
             f"{path}: a body of {vertices} vertices, but the campaign `{file.name}` records one of "
             f"{file.body.vertices}. {cure}"
         )
+
+
+def rootless(path: str, none: NoPath, effects: Sequence[ActiveEffect]) -> str:
+    """That the model of a file has no path along a trial, and what to do."""
+    said = [f"`{e.called}` ({', '.join(f'{k} = {v:.3g}' for k, v in e.parameters.items())})" for e in effects]
+    cure = (
+        f"Drop {'one of its effects' if said[1:] else 'its effect'}, or set it nearer to the value that changes nothing"
+        f": {listed(said)}."
+        if said
+        else "Leave numbers of [medium] but `law` out: they are calibrated."
+    )
+    return f"{path}: {none}, so that it says nothing of how the body moved there. {cure}"
 
 
 def unlike_body(path: str | Path | None, file: CampaignFile) -> str:

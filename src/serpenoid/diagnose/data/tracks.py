@@ -36,6 +36,14 @@ GAP_S = 0.035  # of no marker at all: long enough for something to happen in it
 class NoPath(ArithmeticError):
     """A model that has no path along a trial's shapes cannot guide its averages."""
 
+    @property
+    def trial(self) -> str:
+        """Name of the trial."""
+        return str(self.args[0])
+
+    def __str__(self) -> str:
+        return f"trial `{self.trial}`: steps of this model have no root"
+
 
 @dataclass(frozen=True)
 class Shown:
@@ -114,7 +122,7 @@ def _ran(r: Recording, model: Model, vertices: Floats, time: Floats, begun_at: F
     """The guiding path (R, 3) from a pose on."""
     path = predicted_path(model, vertices, time, begun_at)
     if not np.isfinite(path).all():
-        raise NoPath(f"trial `{r.name}`: steps of this model have no root")
+        raise NoPath(r.name)
     return path
 
 

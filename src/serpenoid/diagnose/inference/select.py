@@ -173,20 +173,40 @@ def one_for_several(motion: Motion, best: Fit) -> Fit:
 def all_at_once(motion: Motion, best: Fit, tries: int) -> Fit:
     """Where much is left, with all places of one effect, less those that earn nothing, if that is likelier, errors of
     the law included, and foretells gaits better: of several wheels that are worn together the first that is found may
-    be a place between two. So many numbers fit any law on one gait alone, and mend any law's error."""
+    be a place between two. So many numbers fit any law on one gait alone, and mend any law's error; so do more places
+    than a body of so many joints has vertices, if none lie between its joints."""
     if not unclear(best) or len(best.evidence.constant) < 2:
         return best
     everywhere = [c for c in (*best.effects, *candidates_of(best)) if c.name not in motion.untestable]
     alone = {c.name for c in everywhere if c.place is not None and len(c.effect.parameters) == 1}
+    most = best.model.body.joint_count + 2  # vertices without those between joints
     for name in sorted(alone):
         others = [e for e in best.effects if e.name != name]
         effects = [*others, *(c for c in everywhere if c.name == name)]
         found = fit(motion, best.model, effects, coordinates_of(best.model, effects), TO_THE_END, best.predictions)
+        if len(effects) - len(others) > most and _telling(found, name, tries) > most:
+            continue
         found = told(motion, found, tries)
         better = choose(best, [found], tries) is not None and _foretold(found) < _foretold(best)
         if better and information_criterion(motion, found) < information_criterion(motion, best):
             best = pruned(motion, found, tries)
     return best
+
+
+def _telling(found: Fit, name: str, tries: int) -> int:
+    """How many effects of a name gain more than their price beside those that are left, without the least first: all to
+    first order, in which what a bound holds gains nothing."""
+    silent = np.diagonal(found.evidence.matrix.sum(axis=0)) < SILENT
+    left = [i for i, own in enumerate(found.columns) if found.effects[i].name != name or not silent[own[0]]]
+    own = [i for i in left if found.effects[i].name == name]
+    while own:
+        gains = dict(zip(left, _gained(found, left), strict=True))
+        least = min(own, key=gains.__getitem__)
+        if gains[least] - found.evidence.toll(1) > gained_by_chance(tries):
+            break
+        left.remove(least)
+        own.remove(least)
+    return len(own)
 
 
 def _foretold(found: Fit) -> float:
@@ -198,7 +218,7 @@ def told(motion: Motion, found: Fit, tries: int) -> Fit:
     """Without effects that gain no more than their price (prices.py) beside those that are left, the least first: which
     it is, to first order; the others are fitted again."""
     while found.effects:
-        gains = _gained(found)
+        gains = _gained(found, range(len(found.effects)))
         excess = [g - found.evidence.toll(len(e.effect.parameters)) for g, e in zip(gains, found.effects, strict=True)]
         least = int(np.argmin(excess))
         if excess[least] > gained_by_chance(tries):
@@ -207,18 +227,19 @@ def told(motion: Motion, found: Fit, tries: int) -> Fit:
     return fit_guided(motion, found, TO_THE_END)
 
 
-def _gained(found: Fit) -> list[float]:
-    """Chi squared that each effect takes away beside the others, to first order, in units of what is left; of one that
-    its bound holds first order says nothing, and it stays."""
+def _gained(found: Fit, some: Sequence[int]) -> list[float]:
+    """Chi squared that each of some effects takes away beside the others of them, to first order, in units of what is
+    left; of one that its bound holds first order says nothing, and it stays."""
     resting = [p.resting for e in found.effects for p in e.effect.parameters]
     bare = found.evidence.about(
         found.coordinates - [found.coordinates[0], *resting]
     )  # chi squared of some, others none
     silent = np.diagonal(bare.matrix.sum(axis=0)) < SILENT
-    every = [0, *(c for own in found.columns for c in own)]
+    columns = [found.columns[i] for i in some]
+    every = [0, *(c for own in columns for c in own)]
     now = bare.chi2(every)
     spread, gains = max(1.0, now / float(bare.count.sum())), []
-    for own in found.columns:
+    for own in columns:
         held = bool(silent[list(own)].all() and any(moved(found, c) for c in own))
         gains.append(np.inf if held else (bare.chi2([c for c in every if c not in own]) - now) / spread)
     return gains

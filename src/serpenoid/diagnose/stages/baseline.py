@@ -27,13 +27,15 @@ class Baseline:
     """model: where the calibration of eps begins; its effects are held.
 
     others: what servos and cameras are known to do. without: effects that the catalogue shall not have. law_open:
-    whether nobody says which law the medium follows.
+    whether nobody says which law the medium follows. remarks: how it came to be the baseline, where that is no matter
+    of course.
     """
 
     model: Model
     others: tuple[ActiveEffect, ...] = field(default=(), kw_only=True)
     without: frozenset[str] = field(default=frozenset(), kw_only=True)
     law_open: bool = field(default=False, kw_only=True)
+    remarks: tuple[str, ...] = field(default=(), kw_only=True)
 
     @property
     def known(self) -> tuple[ActiveEffect, ...]:
@@ -92,6 +94,10 @@ class Baseline:
     def beside(self, model: Model) -> Baseline:
         """With another of these explanations as the baseline."""
         raise NotImplementedError
+
+    def instead(self, trial: str) -> Baseline | None:
+        """With the next of these explanations, as this one's has no path along a trial; None: there is no other."""
+        return None
 
     def check(self, body: Body) -> None:
         """Raise InputError if this is not known of such a body."""

@@ -13,7 +13,7 @@ from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_error, path_noise
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.data.shared import discrepancy
-from serpenoid.diagnose.data.tracks import make_tracks, tracker
+from serpenoid.diagnose.data.tracks import NoPath, make_tracks, tracker
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
 from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.windows import Prediction, Track
@@ -95,7 +95,7 @@ def choose_on_tracks(
     def beside(other: Baseline) -> Selection:
         return search(track, labels, other, say, untestable)
 
-    chosen, baseline = numbers_settled(beside(baseline), baseline, beside)
+    chosen, baseline = numbers_settled(*with_a_path(baseline, beside), beside)
     chosen, baseline = beside_others(
         chosen,
         baseline,
@@ -117,6 +117,18 @@ def choose_on_tracks(
     drag_at = "" if law.words else middles.words
     stage = replace(found.stage, named=named, untestable=barred, laws=law.rivals, law_taken=law.words, drag_at=drag_at)
     return replace(found, stage=stage, baseline=baseline)
+
+
+def with_a_path(baseline: Baseline, beside: Callable[[Baseline], Selection]) -> tuple[Selection, Baseline]:
+    """What is found beside a baseline, or, where its model has no path, beside the next explanation of what was so
+    already. Raises NoPath where none has one."""
+    try:
+        return beside(baseline), baseline
+    except NoPath as none:
+        other = baseline.instead(none.trial)
+        if other is None:
+            raise
+    return with_a_path(other, beside)
 
 
 def about_nothing(chosen: Selection, retrack: Retrack) -> Selection:
@@ -153,16 +165,21 @@ def eps_alone(
     baseline: Baseline,
     untestable: Mapping[str, str] | None,
 ) -> tuple[Motion, Fit]:
-    """The motion beside a baseline, and eps calibrated to it."""
+    """The motion beside a baseline, and eps calibrated to it. Raises NoPath."""
     model = baseline.model
     barred = not_looked_for(baseline, untestable)
     absent = frozenset(barred) | not_on_offer(model.body) | of_other_laws(model.medium.law)
-    for _ in range(2):
-        tracks = baseline.corrected(track(model))
-        motion = Motion(tracks, GUESS, labels, model.effects, baseline.unlike, absent, baseline.ratio, baseline.earlier)
-        found = fit_eps(motion, model)
-        model = found.model
-    return motion, found
+
+    def about(known: Model) -> tuple[Motion, Fit]:
+        tracks = baseline.corrected(track(known))
+        motion = Motion(tracks, GUESS, labels, known.effects, baseline.unlike, absent, baseline.ratio, baseline.earlier)
+        return motion, fit_eps(motion, known)
+
+    motion, found = about(model)
+    try:
+        return about(found.model)
+    except NoPath:
+        return motion, found
 
 
 def finding(

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.inference.bounds import LEAST_EPS
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.laws import (
@@ -51,7 +52,10 @@ def law_of(
     rivals = rival_laws(found, baseline.without)
     for rival in (r for r in rivals.values() if r.promising and baseline.law_open):
         other = replace(baseline, model=rival.model)
-        selection, other = numbers_settled(search(other), other, search)
+        try:
+            selection, other = numbers_settled(search(other), other, search)
+        except NoPath:  # not the law by which the body moved
+            continue
         left = misfits(found, selection)
         if left.beside < elsewhere and takes_its_place(found, selection, left, LAW_ERROR):
             return Taken(selection, other, in_words(found, selection, left, other))
@@ -83,8 +87,11 @@ def numbers_settled(
         model = settled_numbers(found) if baseline.ratio is None else None
         if model is None:
             break
-        baseline = replace(baseline, model=model)
-        found = search(baseline)
+        other = replace(baseline, model=model)
+        try:
+            found, baseline = search(other), other
+        except NoPath:
+            break
     return found, baseline
 
 
