@@ -142,9 +142,15 @@ def test_what_repeats_differ_by_stands_beside_the_noise_of_the_markers() -> None
 
 
 def test_k_of_dry_friction_is_not_told_as_one_of_drag() -> None:
-    record = {"drag_ratio": {"value": 2.719, "interval": [2.718, 2.72]}, "law": {"name": "coulomb"}}
+    record = {"drag_ratio": {"value": 2.719, "interval": [2.718, 2.72]}, "law": {"name": "coulomb"}, "effects": []}
     assert "if dry friction is all there is" in drag_ratio(record)
     assert "if drag is all there is" in drag_ratio(record | {"law": {"name": "viscous"}})
+
+
+def test_k_beside_what_is_named_is_that_of_the_ratio_on_the_same_screen() -> None:
+    record = {"drag_ratio": {"value": 2.361, "interval": [2.35, 2.373]}, "law": {"name": "viscous"}, "effects": [1]}
+    said = drag_ratio(record | {"anisotropy_ratio": {"after": 0.5, "interval": [0.4, 0.8]}})
+    assert said == "2 (95 %: 1.25 .. 2.5) beside what is named; 2.361 if drag were all there is"
 
 
 def test_it_is_told_how_rows_were_taken_and_who_said_so() -> None:

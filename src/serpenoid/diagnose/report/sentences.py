@@ -260,11 +260,16 @@ def rows(record: Record) -> list[str]:
 
 
 def drag_ratio(record: Record) -> str:
-    """K of an animal with its interval, if its law of the floor is all there is."""
+    """K of an animal with its interval, if its law of the floor is all there is; else beside what is named, too."""
     ratio = record["drag_ratio"]
     low, high = ratio["interval"]
     interval = f"(95 %: {low:.4g} .. {high:.4g}, frame by frame as in `fit`)"
-    return f"{ratio['value']:.4g} {interval} if {law(record)} is all there is"
+    if not record["effects"]:
+        return f"{ratio['value']:.4g} {interval} if {law(record)} is all there is"
+    eps = record["anisotropy_ratio"]
+    least, most = eps["interval"]
+    named = f"{1 / eps['after']:.4g} (95 %: {1 / most:.4g} .. {1 / least:.4g}) beside what is named"
+    return f"{named}; {ratio['value']:.4g} if {law(record)} were all there is"
 
 
 def chance(record: Record) -> list[str]:
