@@ -1,4 +1,5 @@
-"""Which effects the markers show and the servos do not: zeros, play, displaced markers, length scale, clock rate."""
+"""Which effects the markers show and the servos do not: zeros, play, markers that are displaced or sway, length scale,
+clock rate."""
 
 from __future__ import annotations
 
@@ -55,7 +56,8 @@ def choose_observation(
     beyond = _beyond_bounds(best)
     other = other_lengths(best)
     instead = () if other is None else other.instead_of
-    every = [_named(best, key, stand_in=key in instead) for key in best.keys if key not in beyond]
+    torn = _torn([k for k in best.keys if best.strength(k) >= VISIBLE])
+    every = [_named(best, key, stand_in=key in (*instead, *torn)) for key in best.keys if key not in beyond]
     clock = _clock(recordings, best)
     every += [] if clock is None else [clock]
     nameless = [n for n in every if n.strength >= VISIBLE and n.may_change_nothing]
@@ -67,9 +69,18 @@ def choose_observation(
     mend = other if any(n.stand_in for n in named) else None
     words += () if mend is None else (mend.words,)
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
-    words = (*words, *beyond.values(), *unknown, *refused)
+    words = (*words, *beyond.values(), *unknown, *dict.fromkeys(torn.values()), *refused)
     first = "" if mend is None else mend.remedy
     return Stage("observation", named, rivals, undetected, left, words, squares=squares, mend=first), best.now
+
+
+def _torn(keys: Sequence[Key]) -> dict[Key, str]:
+    """Offsets of one marker from the link behind and from the one ahead at once, and what is said of them: a marker
+    rides on one link, so that they are there for another law of that marker."""
+    of = [{place: (name, place) for name, place in keys if find(name).marks == mark} for mark in ("markers", "ahead")]
+    both = of[0].keys() & of[1].keys()
+    said = {p: f"the marker at vertex {p} rides on neither link there: it moves as the joint bends" for p in both}
+    return {places[p]: said[p] for places in of for p in both}
 
 
 def _beyond_bounds(best: Looked) -> dict[Key, str]:
