@@ -4,6 +4,7 @@ clock rate."""
 from __future__ import annotations
 
 from collections.abc import Sequence, Set
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,6 +33,7 @@ from serpenoid.files.store import remembered
 
 FULL_FITS = 6
 FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short by
+RIDES = "the marker at vertex {vertex} rides on neither link there: it moves as the joint bends"
 
 
 @remembered
@@ -56,31 +58,31 @@ def choose_observation(
     beyond = _beyond_bounds(best)
     other = other_lengths(best)
     instead = () if other is None else other.instead_of
-    torn = _torn([k for k in best.keys if best.strength(k) >= VISIBLE])
-    every = [_named(best, key, stand_in=key in (*instead, *torn)) for key in best.keys if key not in beyond]
+    every = [_named(best, key, stand_in=key in instead) for key in best.keys if key not in beyond]
     clock = _clock(recordings, best)
     every += [] if clock is None else [clock]
     nameless = [n for n in every if n.strength >= VISIBLE and n.may_change_nothing]
     every = [n for n in every if n not in nameless]
-    named = tuple(n for n in every if n.strength >= VISIBLE)
+    named, torn = _torn([n for n in every if n.strength >= VISIBLE])
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
-    left, words, squares = _left_over(best, before)
+    left, words, squares, new = _left_over(best, before)
     mend = other if any(n.stand_in for n in named) else None
     words += () if mend is None else (mend.words,)
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
-    words = (*words, *beyond.values(), *unknown, *dict.fromkeys(torn.values()), *refused)
+    words = (*words, *beyond.values(), *unknown, *(RIDES.format(vertex=k) for k in torn), *refused)
     first = "" if mend is None else mend.remedy
-    return Stage("observation", named, rivals, undetected, left, words, squares=squares, mend=first), best.now
+    return Stage("observation", named, rivals, undetected, left, words, squares=squares, news=new, mend=first), best.now
 
 
-def _torn(keys: Sequence[Key]) -> dict[Key, str]:
-    """Offsets of one marker from the link behind and from the one ahead at once, and what is said of them: a marker
-    rides on one link, so that they are there for another law of that marker."""
-    of = [{place: (name, place) for name, place in keys if find(name).marks == mark} for mark in ("markers", "ahead")]
-    both = of[0].keys() & of[1].keys()
-    said = {p: f"the marker at vertex {p} rides on neither link there: it moves as the joint bends" for p in both}
-    return {places[p]: said[p] for places in of for p in both}
+def _torn(named: Sequence[Named]) -> tuple[tuple[Named, ...], list[int]]:
+    """Names, and vertices whose marker is beside its place on the link behind and on the one ahead at once: it rides on
+    one link, so that the two are there for another law of that marker."""
+    at = {mark: {n.effect.place for n in named if n.effect.effect.marks == mark} for mark in ("markers", "ahead")}
+    torn = at["markers"] & at["ahead"]
+    marked = (n.effect.effect.marks in at and n.effect.place in torn for n in named)
+    doubted = tuple(replace(n, stand_in=n.stand_in or m) for n, m in zip(named, marked, strict=True))
+    return doubted, sorted(place for place in torn if place is not None)
 
 
 def _beyond_bounds(best: Looked) -> dict[Key, str]:
@@ -126,9 +128,11 @@ def _joint(key: Key) -> int | None:
     return place - 1 if place is not None and find(name).place == "joint" else None
 
 
-def _left_over(best: Looked, before: tuple[float, ...]) -> tuple[float, tuple[str, ...], tuple[float, ...]]:
+def _left_over(
+    best: Looked, before: tuple[float, ...]
+) -> tuple[float, tuple[str, ...], tuple[float, ...], tuple[float, ...]]:
     """Of the worst channel, its noise included, what is more than chance makes; that in words, where visible beside
-    what was left before; and mean squares of all channels and of all together."""
+    what was left before; mean squares of all channels and of all together; and `Stage.news`."""
     squares, all_squares = structure(best.data, best.now), best.priced.spread**2
     known = np.array(before) if len(before) == len(squares) + 1 else np.zeros(len(squares) + 1)
     known = np.maximum(known, 1.0)  # the noise itself, which a little of structure is in
@@ -146,7 +150,8 @@ def _left_over(best: Looked, before: tuple[float, ...]) -> tuple[float, tuple[st
         words = (f"markers are off by {np.sqrt(all_squares):.1f} times the noise of most frames, now here, now there: "
                  "look for reflections and mistaken matches in single frames, or joints that jump between two readings "
                  "of the log",)  # fmt: skip
-    return float(np.hypot(1.0, size)), words, (*squares.tolist(), all_squares)
+    share = np.where(news > 1 + VISIBLE**2, np.sqrt(1 - 1 / np.maximum(news, 1.0)), 0.0)
+    return float(np.hypot(1.0, size)), words, (*squares.tolist(), all_squares), tuple(share.tolist())
 
 
 def _from_trial_to_trial(best: Looked, joint: int) -> tuple[str, ...]:
