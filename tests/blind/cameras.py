@@ -20,10 +20,12 @@ MARKER_NOISE = 0.2e-3  # m
 @dataclass(frozen=True)
 class Cameras:
     """Parameters of the observation effects, neutral by default. `moved_marker`: vertex -> (along, left) [m] of the
-    edge on its tail side; `moved_ahead`: of that on its head side."""
+    edge on its tail side; `moved_ahead`: of that on its head side; `swaying`: vertex -> to the left by the
+    bend [m/rad]."""
 
     moved_marker: dict[int, tuple[float, float]] = field(default_factory=dict)
     moved_ahead: dict[int, tuple[float, float]] = field(default_factory=dict)
+    swaying: dict[int, float] = field(default_factory=dict)
     scale_error: float = 0.0
     clock_rate: float = 0.0
     jump: float = 0.0
@@ -87,6 +89,12 @@ def displaced(cameras: Cameras, p: Floats) -> Floats:
         e = p[:, edge + 1] - p[:, edge]
         e = e / np.linalg.norm(e, axis=-1, keepdims=True)
         seen[:, vertex] += along * e + left * np.stack([-e[:, 1], e[:, 0]], axis=-1)
+    heading = np.unwrap(np.arctan2(*np.moveaxis(np.diff(p, axis=1), 2, 0)[::-1]), axis=1)  # of the edges
+    for vertex, sway in cameras.swaying.items():
+        joint = min(max(vertex, 1), p.shape[1] - 2)
+        across = heading[:, [max(vertex - 1, 0), min(vertex, p.shape[1] - 2)]].mean(axis=1) + np.pi / 2
+        bend = heading[:, joint] - heading[:, joint - 1]
+        seen[:, vertex] += (sway * bend)[:, None] * np.stack([np.cos(across), np.sin(across)], axis=-1)
     return seen
 
 

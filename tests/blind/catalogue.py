@@ -211,6 +211,9 @@ CATALOGUE: dict[str, Kind] = {
         _arrow("along", "left", 0.3e-3, 15e-3),
         _cameras(moved_ahead=lambda k, p: {k: (p["along"], p["left"])}),
     ),
+    "marker_sway": Kind(
+        OBSERVATION, AT_VERTEX, _either("sway", 0.5e-3, 15e-3), _cameras(swaying=lambda k, p: {k: p["sway"]})
+    ),
     "length_scale": Kind(
         OBSERVATION, GLOBAL, _either("error", 0.001, 0.04), _cameras(scale_error=lambda k, p: p["error"])
     ),
@@ -241,8 +244,9 @@ KNOWN = CATALOGUE | FLOORS
 # Of bodies without wheels: the robots of the studies have some, on which a worn one does the same.
 WITHOUT_WHEELS = ("rough_skin",)
 ON_WHEELS = tuple(n for n in CATALOGUE if n not in WITHOUT_WHEELS)
-# Added when keys were in use: a campaign of an earlier key has one of these in few cases, and else what it had.
-NEWER = ("lagging_joint", "slow_joint", "marker_offset_ahead")
+# Added when keys were in use, one time after the other: a campaign of an earlier key has one of these in few cases, and
+# else what it had.
+NEWER = (("lagging_joint", "slow_joint", "marker_offset_ahead"), ("marker_sway",))
 # Powers of a length that a parameter has: drawn for the ten-servo snake, they grow with the robot.
 LENGTHS: dict[str, dict[str, int]] = {
     "dry_friction": {"crossover_speed": 1},
@@ -255,6 +259,7 @@ LENGTHS: dict[str, dict[str, int]] = {
     "contact_offset": {"offset": 1},
     "marker_offset": {"along": 1, "left": 1},
     "marker_offset_ahead": {"along": 1, "left": 1},
+    "marker_sway": {"sway": 1},
     "position_jumps": {"size": 1},
     "frame_drift": {"velocity_x": 1, "velocity_y": 1},
 }
@@ -272,10 +277,14 @@ def draw(
 ) -> list[Effect]:
     """`count` effects with different names, uniform over those of wheels (or some), places uniform over the robot."""
     pool = sorted(among or ON_WHEELS)
-    earlier = rng.choice([n for n in pool if n not in NEWER], size=count, replace=False)
-    today = rng.spawn(1)[0].choice(pool, size=count, replace=False)  # does not move what rng draws next
+    known = [n for n in pool if not any(n in added for added in NEWER)]
+    names = list(rng.choice(known, size=count, replace=False))
+    for added in NEWER:
+        known = sorted([*known, *(n for n in pool if n in added)])
+        today = rng.spawn(1)[0].choice(known, size=count, replace=False)  # does not move what rng draws next
+        names = [t if t in added else e for t, e in zip(today, names, strict=True)]
     found = []
-    for name in (t if t in NEWER else e for t, e in zip(today, earlier, strict=True)):
+    for name in names:
         places = CATALOGUE[str(name)].places(robot)
         found.append(drawn(rng, str(name), places[int(rng.integers(len(places)))], robot))
     return found

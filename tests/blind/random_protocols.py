@@ -26,7 +26,8 @@ CYCLE_S, ROWS = (1.5, 6.0), (24, 100)
 LEAST_PROGRESS, TRIES = 0.03, 60  # body lengths a cycle; afterwards the best that came up
 # What nothing but the difference between a log and the cameras shows.
 NEEDS_A_LOG = (
-    "zero_offset", "loose_joint", "clock_offset", "marker_offset", "marker_offset_ahead", "length_scale",
+    "zero_offset", "loose_joint", "clock_offset", "marker_offset", "marker_offset_ahead", "marker_sway",
+    "length_scale",
 )  # fmt: skip
 
 

@@ -51,6 +51,7 @@ MARKERS = (
     Effect("loose_joint", 5, {"width": 0.06}),
     Effect("marker_offset", 4, {"along": 4e-3, "left": -5e-3}),
     Effect("marker_offset_ahead", 4, {"along": 4e-3, "left": -5e-3}),
+    Effect("marker_sway", 4, {"sway": 6e-3}),
     Effect("length_scale", None, {"error": 0.015}),
 )
 MOTION = (

@@ -6,17 +6,26 @@ from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
 
+from serpenoid.body import Body
+from serpenoid.diagnose.data.geometry import register, shapes, turn
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.diagnose import beside_changes
 from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.inference.left_open import believed, known
 from serpenoid.diagnose.inference.medium import Fit, predicted_bare
+from serpenoid.diagnose.inference.select import Selection
 from serpenoid.diagnose.report.sentences import ratio_change, undetected
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_motion import explained
+from serpenoid.diagnose.stages.beside_markers import chi2_of_markers
+from serpenoid.diagnose.stages.choose_motion import MotionFinding, explained
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
+
+BODY = Body(vertices=5, length_m=0.4)
 
 
 def times_as_large(fit: Fit, factor: float) -> Fit:
@@ -86,8 +95,46 @@ def test_a_change_of_shapes_that_another_stage_names_puts_names_of_the_floor_in_
     slope = Named(ActiveEffect.neutral("slope"), {}, 5.0)
     found = SimpleStage(Stage("motion", (slope,)))
     known = cast(Baseline, SimpleNamespace(ratio=ratio, inadequate=inadequate))
-    (named,) = beside_changes(cast(Any, found), (above,), known).stage.named
+    (named,) = beside_changes(cast(Any, found), (above,), known, Observation.neutral(BODY)).stage.named
     assert named.stand_in is doubtful
+
+
+def bent_otherwise(found: MotionFinding, joint: int, size: float) -> Selection:
+    """Markers that show a joint bent by another angle, now to one side, now to the other."""
+    selection, tracks = found.selection, []
+    for t in found.selection.motion.tracks:
+        r = t.recording
+        assert isinstance(r, Recording)
+        true = r.angles.copy()
+        true[:, joint - 1] += size * np.sign(np.sin(3 * r.time))
+        moved = shapes(r.body, true) - shapes(r.body, r.angles)
+        pose, _ = register(shapes(r.body, r.angles), r.markers)
+        tracks.append(replace(t, recording=replace(r, markers=r.markers + turn(pose[:, None, 2], moved))))
+    return replace(selection, motion=replace(selection.motion, tracks=tuple(tracks)))
+
+
+@pytest.mark.parametrize(("size", "doubtful"), [(0.0, False), (0.01, False), (1.0, True)])
+def test_a_name_that_does_no_more_than_what_markers_leave_open_may_be_there_for_that(
+    diagnosed: tuple[Any, dict[str, Any], Any], size: float, doubtful: bool
+) -> None:
+    """A joint is bent otherwise than its servo reads, and nothing explains it."""
+    d, joint = diagnosed[0], 3
+    found = replace(d.motion, selection=bent_otherwise(d.motion, joint, size))
+    body = d.baseline.model.body
+    news = [float(channel == joint - 1) for channel in range(body.joint_count + body.vertices - 1)]
+    above = (Stage("observation", news=tuple(news)),)
+    (name,) = beside_changes(found, above, d.baseline, d.seen).stage.named
+    assert name.stand_in is doubtful
+
+
+def test_what_markers_show_of_a_bent_joint_moves_the_ends_of_windows_in_proportion(
+    diagnosed: tuple[Any, dict[str, Any], Any],
+) -> None:
+    d, body = diagnosed[0], diagnosed[0].baseline.model.body
+    news = [float(channel == 2) for channel in range(body.joint_count + body.vertices - 1)]
+    none, one, two = (chi2_of_markers(bent_otherwise(d.motion, 3, s), d.seen, news) for s in (0.0, 0.1, 0.2))
+    assert none < 0.01 * one  # noise
+    assert two == pytest.approx(4 * one, rel=0.2)
 
 
 def test_a_changed_anisotropy_ratio_is_told_of_by_how_much_and_how_visibly() -> None:

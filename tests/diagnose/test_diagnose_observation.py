@@ -56,9 +56,10 @@ def test_derivatives_of_what_is_seen_are_its_differences() -> None:
     )
     rng = np.random.default_rng(4)
     angles, slopes = rng.uniform(-0.8, 0.8, (9, 3)), rng.choice([-0.5, 0.0, 0.5], (9, 3))
-    now = Observation(np.zeros(3), rng.uniform(-0.01, 0.01, (7, 2)), np.zeros(3), rng.uniform(-0.01, 0.01, (3, 2)), 0.1)
+    beside, ahead = rng.uniform(-0.01, 0.01, (7, 2)), rng.uniform(-0.01, 0.01, (3, 2))
+    now = Observation(np.zeros(3), beside, np.zeros(3), ahead, 0.1, np.zeros(4))
     columns = [c for name, place in all_keys(body) for c in columns_of(body, name, place)]
-    assert sorted(columns) == list(range(3 + 14 + 1 + 3 + 6))
+    assert sorted(columns) == list(range(3 + 14 + 1 + 3 + 6 + 4))
     found = now.derivatives(body, angles, lambda joint: slopes[:, joint], columns)
 
     def moved(column: int, step: float) -> np.ndarray:
@@ -158,6 +159,35 @@ def test_a_displaced_marker_is_named_on_the_link_that_it_rides_on(name: str, pla
         assert low is not None
         assert high is not None
         assert low < true < high
+
+
+@pytest.mark.parametrize("places", [(4,), (11,), (3, 4, 5)])
+def test_markers_that_sway_with_the_bend_are_named_as_such(places: tuple[int, ...], tmp_path: Path) -> None:
+    """Each was a pair of offsets against one another, on the link behind and on that ahead; at the head a load."""
+    sway = -6e-3
+    hidden = [Effect("marker_sway", place, {"sway": sway}) for place in places]
+    write(make(66, hidden, combinations=COMBINATIONS[:2]), tmp_path)
+    recordings = read_recordings(tmp_path)[1]
+    stage, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
+    assert {n.effect.key for n in stage.named} == {("marker_sway", place) for place in places}
+    assert stage.settled
+    for named in stage.named:
+        low, high = named.intervals["sway"]
+        assert low is not None
+        assert high is not None
+        assert low < sway < high
+        assert not named.stand_in
+
+
+def test_a_marker_that_rides_on_both_links_at_once_follows_no_law_of_the_catalogue(tmp_path: Path) -> None:
+    half = {"along": 4e-3, "left": 3e-3}
+    hidden = [Effect(name, 4, half) for name in ("marker_offset", "marker_offset_ahead")]
+    write(make(66, hidden, combinations=COMBINATIONS[:2]), tmp_path)
+    recordings = read_recordings(tmp_path)[1]
+    stage, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
+    assert {n.effect.key for n in stage.named} == {(e.name, e.place) for e in hidden}
+    assert all(n.stand_in for n in stage.named)
+    assert [w for w in stage.words if "vertex 4 rides on neither link" in w]
 
 
 @pytest.mark.parametrize("begun", [-0.065, -0.02, 0.03, 0.065])

@@ -243,6 +243,27 @@ def test_what_servos_do_after_a_trial_without_a_pause_is_no_lag(recordings: tupl
     assert low < lag < high
 
 
+@pytest.mark.parametrize("delayed", [False, True])
+def test_a_law_of_all_servos_that_is_only_the_nearest_is_a_stand_in(
+    recordings: tuple[Recording, ...], delayed: bool
+) -> None:
+    """Servos that do everything late by as much lag by about that, and corners tell that they do not lag."""
+    rng, late = np.random.default_rng(9), 0.06
+
+    def read(r: Recording) -> Recording:
+        time = np.arange(r.read_at[0], r.read_at[-1] + 1e-3, 1e-3)
+        told = r.schedule.commanded(time - late if delayed else time)
+        true = told if delayed else lagged(time, told, np.full(len(time) - 1, late))
+        noise = 0.4 * TICK * rng.normal(size=r.position.shape)
+        return replace(r, position=TICK * np.round((Course(time, true).at(r.read_at) + noise) / TICK))
+
+    stage = choose_actuation(plays([read(r) for r in recordings]))
+    (named,) = stage.named
+    assert named.effect.key == ("servo_lag", None)
+    assert named.effect.parameters["lag"] == pytest.approx(late, rel=0.1)
+    assert (named.stand_in, stage.settled) == (delayed, not delayed)
+
+
 def test_where_a_servo_that_is_late_stops_after_the_end_does_not_bend_its_shape_before(
     recordings: tuple[Recording, ...],
 ) -> None:

@@ -61,6 +61,7 @@ ORDER = ("verdict", "cause", "held-out", "left", "next experiment", "Details", "
         (2.39e-6, "m", "2.39 \N{MICRO SIGN}m"),
         (0.129, "bl", "0.129 body lengths"),
         (0.1, "rad", "5.73°"),
+        (-0.006032, "m/rad", "-6.03 mm/rad"),
         (0.4, "1", "0.4"),
         (0.05, "s", "0.05 s"),
         (-4449.7, "1", "-4450"),

@@ -34,6 +34,7 @@ from serpenoid.diagnose.inference.together import laws_together
 from serpenoid.diagnose.residuals.gain import Scores, gain_record, scores
 from serpenoid.diagnose.residuals.maps import residual_maps
 from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.beside_markers import no_larger
 from serpenoid.diagnose.stages.choose_motion import MotionFinding, Searched, choose_motion
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.choose_tracked import choose_tracked
@@ -124,7 +125,7 @@ def diagnose(
     say("shape against motion")
     motion = choose_motion(recordings, seen, baseline, say, searched)
     baseline = motion.baseline or baseline
-    motion = beside_changes(motion, (actuation, observation), baseline)
+    motion = beside_changes(motion, (actuation, observation), baseline, seen)
     stages = (actuation, observation, motion.stage)
     steps += motion_steps(servos, recordings, stages, seen, motion)
     return concluded(baseline, seen, stages, motion, steps, say)
@@ -141,17 +142,21 @@ def _seen(recordings: Sequence[Recording], baseline: Baseline) -> tuple[Stage, O
     return stage, seen, tuple(recordings)
 
 
-def beside_changes(found: MotionFinding, above: Sequence[Stage], baseline: Baseline) -> MotionFinding:
-    """Names of the floor beside what the stages above name. What markers show by a law that is not known, poses and
-    lengths show, too: names of the floor may stand for it. With a reference, beside a change of the body's shapes, they
-    may mend the law about it, where that is known to be wrong, as they may beside a larger one of the floor."""
+def beside_changes(
+    found: MotionFinding, above: Sequence[Stage], baseline: Baseline, seen: Observation
+) -> MotionFinding:
+    """Names of the floor beside what the stages above name, and leave. What markers show by a law that is not known,
+    poses and lengths show, too: names of the floor may stand for it, and for what nothing explains if they do no more.
+    With a reference, beside a change of the body's shapes, they may mend the law about it, where that is known to be
+    wrong, as they may beside a larger one of the floor."""
     named = [n for stage in above for n in stage.named]
     unknown = any(n.stand_in and n.effect.effect.site == "observation" for n in named)
     shapes = any(n.effect.effect.site == "actuation" for n in named)
     wrong = baseline.inadequate or found.stage.discrepancy_m > 0
-    if not unknown and not (baseline.ratio is not None and shapes and wrong):
-        return found
-    return replace(found, stage=replace(found.stage, named=tuple(_stand_in(n) for n in found.stage.named)))
+    every = unknown or (baseline.ratio is not None and shapes and wrong)
+    small = [key for s in above if any(s.news) for key in no_larger(found.selection, seen, s.news)]
+    doubted = tuple(_stand_in(n) if every or n.effect.key in small else n for n in found.stage.named)
+    return replace(found, stage=replace(found.stage, named=doubted))
 
 
 def _stand_in(named: Named) -> Named:

@@ -89,8 +89,8 @@ class Observation:
     def seen(self, body: Body, angles: Floats) -> Floats:
         """Where the markers appear, in the body frame (F, N, 2), of true joint angles."""
         points = shapes(body, angles)
-        points = self._displaced(body, points, *directions(points)) * (1 + self.scale)
-        return views.seen(body, points, self.views)
+        markers = self._displaced(body, points, *directions(points))
+        return views.seen(body, markers, points, self.views) * (1 + self.scale)
 
     def derivatives(
         self, body: Body, angles: Floats, by_gap: Callable[[int], Floats], columns: Sequence[int]

@@ -36,13 +36,13 @@ def by_readings(r: Recording, model: Model, times: Floats, known: Floats) -> Flo
     of shapes there is noise, see `of_shapes`."""
     if not known.any():
         return np.zeros((len(times) - 1, 3))
-    off = _moved(r, model, times)
+    off = by_bends(r, model, times)
     own = np.einsum("bjc,jbb->bc", off**2, known)
     both = np.einsum("bjc,bjc,jb->bc", off[:-1], off[1:], np.diagonal(known, 1, axis1=1, axis2=2))
     return np.asarray(np.sqrt(np.maximum(own[:-1] + own[1:] - 2 * both, 0.0)))
 
 
-def _moved(r: Recording, model: Model, times: Floats) -> Floats:
+def by_bends(r: Recording, model: Model, times: Floats) -> Floats:
     """G - A of every joint (B, m, 3) [m/rad, m/rad, 1], by steps of drag alone."""
     joints, length = r.body.joint_count, r.body.total_length_m
     angles = r.angles_at(times)

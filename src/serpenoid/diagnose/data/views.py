@@ -5,6 +5,8 @@ They know neither the time nor the room, and what is seen is linear in their par
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from serpenoid.body import Body, Floats
@@ -29,9 +31,11 @@ def resting(body: Body) -> Floats:
     return np.array([x for view, _ in numbered(body) for x in view.coordinates[:-1]])
 
 
-def seen(body: Body, points: Floats, numbers: Floats) -> Floats:
-    """Markers (F, N, 2) as effects with the coordinates `numbers` (V,) show those at `points`."""
-    return _through(points, [view.with_coordinates(numbers[list(own)].tolist()) for view, own in numbered(body)])
+def seen(body: Body, markers: Floats, points: Floats, numbers: Floats) -> Floats:
+    """Markers (F, N, 2) of a body at `points`, as effects with the coordinates `numbers` (V,) show them."""
+    there = [(view, numbers[list(own)].tolist()) for view, own in numbered(body)]
+    changed = [view.with_coordinates(now) for view, now in there if now != list(view.coordinates[:-1])]
+    return _through(markers, points, changed)
 
 
 def derivative(body: Body, points: Floats, number: int) -> Floats:
@@ -40,8 +44,9 @@ def derivative(body: Body, points: Floats, number: int) -> Floats:
     i = number - own.start
     p = view.effect.parameters[i]
     step = p.coordinate(p.typical) - view.coordinates[i]
-    return (_through(points, [view.moved(i, step)]) - _through(points, [view])) / step
+    return (_through(points, points, [view.moved(i, step)]) - _through(points, points, [view])) / step
 
 
-def _through(points: Floats, views: list[ActiveEffect]) -> Floats:
-    return active.seen(View.true(points, np.zeros(len(points))), views).markers if views else points
+def _through(markers: Floats, points: Floats, views: list[ActiveEffect]) -> Floats:
+    there = replace(View.true(points, np.zeros(len(points))), markers=markers)
+    return active.seen(there, views).markers if views else markers

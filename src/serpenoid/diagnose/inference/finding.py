@@ -89,6 +89,7 @@ class Stage:
     better; law_taken: why another law than the file's default is taken.
     unlike, ratio: the effect by which parts of a kind differ from one another, if they do, and ends of eps beside it.
     squares: of the markers' stage, of each channel and of all together, what nothing accounts for in units of noise.
+    news: of that stage, too, of each channel, which share of what is left was not left before, if visibly; else 0.
     mend: what to mend in the campaign before the rest is believed.
     """
 
@@ -107,6 +108,7 @@ class Stage:
     unlike: str = ""
     ratio: tuple[float, float] | None = None
     squares: tuple[float, ...] = ()
+    news: tuple[float, ...] = ()
     mend: str = ""
 
     @property

@@ -1,8 +1,8 @@
 """What a law may get wrong of what it does: the same where servos are judged by their readings and by markers.
 
 What a law gets wrong is in proportion to what it does. An effect at a place that leaves more of it than LAW_ERROR is
-not what happens there, and has no name; one that leaves less of it, but visibly, is the nearest law: a stand-in. So is
-one that the whole body shares from LAW_ERROR on, unless it leaves more than it does.
+not what happens there, and has no name; nor has one that the whole body shares and that leaves more than it does. What
+leaves less, but visibly, is the nearest law: of servos a stand-in; of what all markers show, from LAW_ERROR on.
 """
 
 from __future__ import annotations

@@ -80,7 +80,7 @@ def _why_doubted(record: Record, seen: bool) -> str:
     if record["discrepancy_m"] != 0:
         size = shown(record["discrepancy_m"], record["length_unit"], 2)
         return f"the model is off by {size} a window beyond the noise; stand-ins take away a part of that"
-    if seen:
+    if seen or any(w.startswith("observation: ") for w in record["residual_pattern"]):
         return "stand-ins of the floor rest on markers whose errors are not understood"
     if record["verdict"] not in SETTLED and not _beside_wrong(record):
         return "beside what is named, paths are off by more than the noise"

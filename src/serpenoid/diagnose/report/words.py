@@ -14,6 +14,7 @@ from serpenoid.media import LAWS
 Record = Mapping[str, Any]
 SCALES = {
     "m": (1e3, "mm"), "m/s": (1e3, "mm/s"), "rad": (180 / math.pi, "°"), "rad/s": (180 / math.pi, "°/s"),
+    "m/rad": (1e3, "mm/rad"), "bl/rad": (1.0, "body lengths/rad"),
     "bl": (1.0, "body lengths"), "bl/s": (1.0, "body lengths/s"),
     "s2/m": (1.0, "s²/m"), "s2/bl": (1.0, "s²/body length"),
     "m2/s2": (1.0, "m²/s²"), "bl2/s2": (1.0, "body lengths²/s²"),

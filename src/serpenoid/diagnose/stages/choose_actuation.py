@@ -188,7 +188,7 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
     ends = [parameter.value(float(v)) for v in (x - reach, x + reach)]
     value = effect.parameters[parameter.name]
     bound = (parameter.name,) if value in (parameter.lower, parameter.upper) else ()
-    stand_in = _law_error(best, effect) > (LAW_ERROR if effect.place is None else 0.0)
+    stand_in = _law_error(best, effect) > 0
     return Named(effect, {parameter.name: interval(ends)}, _strength(data, effect), bound, stand_in)
 
 

@@ -1,8 +1,10 @@
-"""Which effects the markers show and the servos do not: zeros, play, displaced markers, length scale, clock rate."""
+"""Which effects the markers show and the servos do not: zeros, play, markers that are displaced or sway, length scale,
+clock rate."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence, Set
+from dataclasses import replace
 
 import numpy as np
 
@@ -31,6 +33,7 @@ from serpenoid.files.store import remembered
 
 FULL_FITS = 6
 FIRST_ORDER = 0.02  # of what an effect explains: what linear scores fall short by
+RIDES = "the marker at vertex {vertex} rides on neither link there: it moves as the joint bends"
 
 
 @remembered
@@ -60,16 +63,26 @@ def choose_observation(
     every += [] if clock is None else [clock]
     nameless = [n for n in every if n.strength >= VISIBLE and n.may_change_nothing]
     every = [n for n in every if n not in nameless]
-    named = tuple(n for n in every if n.strength >= VISIBLE)
+    named, torn = _torn([n for n in every if n.strength >= VISIBLE])
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
-    left, words, squares = _left_over(best, before)
+    left, words, squares, new = _left_over(best, before)
     mend = other if any(n.stand_in for n in named) else None
     words += () if mend is None else (mend.words,)
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
-    words = (*words, *beyond.values(), *unknown, *refused)
+    words = (*words, *beyond.values(), *unknown, *(RIDES.format(vertex=k) for k in torn), *refused)
     first = "" if mend is None else mend.remedy
-    return Stage("observation", named, rivals, undetected, left, words, squares=squares, mend=first), best.now
+    return Stage("observation", named, rivals, undetected, left, words, squares=squares, news=new, mend=first), best.now
+
+
+def _torn(named: Sequence[Named]) -> tuple[tuple[Named, ...], list[int]]:
+    """Names, and vertices whose marker is beside its place on the link behind and on the one ahead at once: it rides on
+    one link, so that the two are there for another law of that marker."""
+    at = {mark: {n.effect.place for n in named if n.effect.effect.marks == mark} for mark in ("markers", "ahead")}
+    torn = at["markers"] & at["ahead"]
+    marked = (n.effect.effect.marks in at and n.effect.place in torn for n in named)
+    doubted = tuple(replace(n, stand_in=n.stand_in or m) for n, m in zip(named, marked, strict=True))
+    return doubted, sorted(place for place in torn if place is not None)
 
 
 def _beyond_bounds(best: Looked) -> dict[Key, str]:
@@ -115,9 +128,11 @@ def _joint(key: Key) -> int | None:
     return place - 1 if place is not None and find(name).place == "joint" else None
 
 
-def _left_over(best: Looked, before: tuple[float, ...]) -> tuple[float, tuple[str, ...], tuple[float, ...]]:
+def _left_over(
+    best: Looked, before: tuple[float, ...]
+) -> tuple[float, tuple[str, ...], tuple[float, ...], tuple[float, ...]]:
     """Of the worst channel, its noise included, what is more than chance makes; that in words, where visible beside
-    what was left before; and mean squares of all channels and of all together."""
+    what was left before; mean squares of all channels and of all together; and `Stage.news`."""
     squares, all_squares = structure(best.data, best.now), best.priced.spread**2
     known = np.array(before) if len(before) == len(squares) + 1 else np.zeros(len(squares) + 1)
     known = np.maximum(known, 1.0)  # the noise itself, which a little of structure is in
@@ -135,7 +150,8 @@ def _left_over(best: Looked, before: tuple[float, ...]) -> tuple[float, tuple[st
         words = (f"markers are off by {np.sqrt(all_squares):.1f} times the noise of most frames, now here, now there: "
                  "look for reflections and mistaken matches in single frames, or joints that jump between two readings "
                  "of the log",)  # fmt: skip
-    return float(np.hypot(1.0, size)), words, (*squares.tolist(), all_squares)
+    share = np.where(news > 1 + VISIBLE**2, np.sqrt(1 - 1 / np.maximum(news, 1.0)), 0.0)
+    return float(np.hypot(1.0, size)), words, (*squares.tolist(), all_squares), tuple(share.tolist())
 
 
 def _from_trial_to_trial(best: Looked, joint: int) -> tuple[str, ...]:

@@ -196,10 +196,16 @@ def by_trial(data: Sample, now: Observation, joint: int) -> tuple[Floats, float]
 
 def _channels(data: Sample, now: Observation) -> Floats:
     """What an observation model leaves of marker angles and link lengths (F, 2 m + 1), over the noise level."""
-    body, seen = data.body, now.seen(data.body, data.angles(now))
-    angle = np.mod(marker_angles(body, data.markers) - marker_angles(body, seen) + np.pi, 2 * np.pi) - np.pi
-    length = np.linalg.norm(np.diff(data.markers, axis=1), axis=2) - np.linalg.norm(np.diff(seen, axis=1), axis=2)
-    return np.asarray(np.concatenate([angle, length], axis=1) / data.levels)
+    return shown_otherwise(data.body, data.markers, data.angles(now), now) / data.levels
+
+
+def shown_otherwise(body: Body, markers: Floats, angles: Floats, now: Observation) -> Floats:
+    """Joint angles [rad] and edges [m] that markers (F, N, 2) show, less those of an observation model (F, m + N - 1);
+    angles: the true ones."""
+    seen = now.seen(body, angles)
+    angle = np.mod(marker_angles(body, markers) - marker_angles(body, seen) + np.pi, 2 * np.pi) - np.pi
+    length = np.linalg.norm(np.diff(markers, axis=1), axis=2) - np.linalg.norm(np.diff(seen, axis=1), axis=2)
+    return np.asarray(np.concatenate([angle, length], axis=1))
 
 
 def along(data: Sample, now: Observation, columns: Sequence[int], amounts: Floats) -> tuple[float, float]:

@@ -1,8 +1,9 @@
 """Are markers beside their places, or edges of other lengths than told?
 
-Every edge may be a little longer or shorter than `edge_lengths` says. Offsets along the body, or a scale, then stand in
-for it, one after the other. So where any are found, edges that are all free are their rival, by the same price: the
-Bayesian information criterion of prices.py. A marker beside its place bends what its neighbours show, and no edges do.
+Every edge may be a little longer or shorter than `edge_lengths` says. Markers beside their places, or a scale, then
+stand in for it, one after the other. So where any are found, edges that are all free are their rival, by the same
+price: the Bayesian information criterion of prices.py. A marker beside its place bends what its neighbours show, and no
+edges do.
 
 Legend: N vertices.
 """
@@ -19,7 +20,7 @@ from serpenoid.diagnose.stages.looked import Key, Looked, solved
 from serpenoid.diagnose.stages.marker_evidence import Sample, left_over, misfit
 from serpenoid.effects.catalogue import find
 
-ALONG = frozenset({"markers", "ahead", "scale"})  # marks of what moves markers along the body
+MOVE = frozenset({"markers", "ahead", "scale", None})  # marks of what moves markers, by a law of its own, too
 LONGER = 1e-3  # of an edge: a small step; markers are linear in it
 ROUNDS = 3
 
@@ -56,7 +57,7 @@ class OtherLengths:
 
 def other_lengths(best: Looked) -> OtherLengths | None:
     """Edges that do for less what effects along the body do; None: the effects do it for less, or there are none."""
-    keys = tuple(k for k in best.keys if find(k[0]).marks in ALONG)
+    keys = tuple(k for k in best.keys if find(k[0]).marks in MOVE)
     if not keys:
         return None
     rest = best
