@@ -126,7 +126,7 @@ def test_more_places_that_all_tell_than_a_body_of_so_many_joints_has_mend_the_la
         return found
 
     monkeypatch.setattr(select, "fit", fitted)
-    monkeypatch.setattr(select, "_told", kept)
+    monkeypatch.setattr(select, "told", kept)
     monkeypatch.setattr(select, "choose", lambda *_: None)
     motion: Any = SimpleNamespace(untestable=frozenset())
     poor = replace(fitted(motion, model, [], np.array([0.2])), chi2=1e4)

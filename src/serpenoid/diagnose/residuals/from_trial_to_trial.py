@@ -47,7 +47,7 @@ def as_floors_do(motion: Motion, predicted: Sequence[Prediction], eps: float) ->
     for repeat in repeats(motion.tracks):
         (one, other), (sd, _), (by, _) = (repeat.both(x) for x in (left, chance, moves))
         d = (one - other) / np.sqrt(2)
-        known = np.isfinite(d).all(axis=1) & motion.tracks[repeat.one].playing[repeat.here]
+        known = np.isfinite(d + by).all(axis=1) & motion.tracks[repeat.one].playing[repeat.here]
         d, by = (np.where(np.abs(d) > motion.unlike, d, 0.0) / sd)[known], (by / sd)[known]
         step, gained = _step(d, by)
         explained += gained
@@ -125,7 +125,7 @@ def _parts(motion: Motion, predicted: Sequence[Prediction]) -> tuple[list[Floats
 
 def _step(left: Floats, by: Floats) -> tuple[float, float]:
     """By what eps is off, and what it takes away: of what is left and what eps moves, both in units of chance."""
-    known = np.isfinite(left)
+    known = np.isfinite(left + by)
     power = max(float((by[known] ** 2).sum()), TINY)
     step = float((by[known] * left[known]).sum()) / power
     return step, step**2 * power

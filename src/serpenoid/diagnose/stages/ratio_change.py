@@ -38,14 +38,14 @@ class RatioChange:
 
 
 def ratio_changed(found: MotionFinding, baseline: Baseline) -> RatioChange | None:
-    """By more than chance makes of it at the stated error, with and without names that may be stand-ins, and visibly;
-    None where it is not, or without a reference."""
+    """By more than chance makes of it at the stated error, with and without names that may be stand-ins and effects below
+    detection, which may take its place, and visibly; None where it is not, or without a reference."""
     motion, settled = found.selection.motion, found.selection.settled
     then = baseline.ratio_before(motion.tracks)
     if then is None:
         return None
     far = float(ndtri(1 - ERROR / 2))
-    for fit in fits_of_ratio(found.selection, found.stage):
+    for fit in (*fits_of_ratio(found.selection, found.stage), found.selection.best):
         low, high = ratio_ends(motion, fit, far)
         if low <= then[1] and then[0] <= high:
             return None
