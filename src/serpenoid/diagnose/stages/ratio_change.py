@@ -38,8 +38,8 @@ class RatioChange:
 
 
 def ratio_changed(found: MotionFinding, baseline: Baseline) -> RatioChange | None:
-    """By more than chance makes of it at the stated error, with and without names that may be stand-ins and effects below
-    detection, which may take its place, and visibly; None where it is not, or without a reference."""
+    """By more than chance makes of it at the stated error, with and without names that may be stand-ins and effects
+    below detection, which may take its place, and visibly; None where it is not, or without a reference."""
     motion, settled = found.selection.motion, found.selection.settled
     then = baseline.ratio_before(motion.tracks)
     if then is None:
