@@ -25,12 +25,10 @@ def laws_together(found: Selection) -> Fit | None:
     whole = [c for c in listed if of_the_body(c) and not c.effect.remembers]
     placed = [e for e in best.effects if e not in whole]
     tries = len(candidates_of(found.null))
-    fits = [_together(motion, best, effects, tries) for effects in ([*placed, *whole], whole)]
-    likeliest = min(fits, key=lambda f: information_criterion(motion, f))
-    whole_count = float(best.evidence.count.sum())
-    if float(likeliest.evidence.count.sum()) < whole_count:
-        return None
-    return likeliest if information_criterion(motion, likeliest) < information_criterion(motion, best) else None
+    fits = [best, *(_together(motion, best, effects, tries) for effects in ([*placed, *whole], whole))]
+    entire = [f for f in fits if f.evidence.count.sum() >= best.evidence.count.sum()]
+    likeliest = min(entire, key=lambda f: information_criterion(motion, f))
+    return None if likeliest is best else likeliest
 
 
 def of_the_body(effect: ActiveEffect) -> bool:
