@@ -15,18 +15,15 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.random_protocols import draw_protocol
+from blind.windows import windows
 from serpenoid.body import Body
 from serpenoid.diagnose.campaign import diagnose_campaign
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference import select
 from serpenoid.diagnose.inference.differing import _Drawn
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, with_values
 from serpenoid.diagnose.inference.select import all_at_once, calibrated, one_for_several
-from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -79,11 +76,8 @@ def test_a_payload_takes_the_place_of_what_all_other_vertices_lack(tmp_path: Pat
     vertex, share = 4, 0.25
     campaign = make(6, [Effect("load", vertex, {"share": share})], "short", COMBINATIONS[:3])
     write(campaign, tmp_path)
-    recordings = read_recordings(tmp_path)[1]
-    body, labels = recordings[0].body, tuple(int(r.gait[-2:]) for r in recordings)
-    model = Model(body, Medium(anisotropy_ratio=campaign.eps))
-    motion = Motion(make_tracks(recordings, Observation.neutral(body), model), GUESS, labels)
-    weights, others = body.vertex_weights, [k for k in range(body.vertices) if k != vertex]
+    motion, model = windows(tmp_path, campaign.eps)
+    weights, others = model.body.vertex_weights, [k for k in range(model.body.vertices) if k != vertex]
     less = share / (weights[vertex] + share)  # of every other weight: then all are in proportion
     lacking = [ActiveEffect.of("load", k, share=-less * weights[k]) for k in others]
     start = np.array([campaign.eps, *(e.parameters["share"] for e in lacking)])
@@ -97,10 +91,7 @@ def test_several_worn_wheels_are_found_at_once_where_the_first_that_was_found_is
     worn = {2: 0.85, 7: 0.82, 9: 0.85, 10: 0.73}
     campaign = make(5, [Effect("worn_wheel", k, {"seizure": s}) for k, s in worn.items()], "short", COMBINATIONS[:4])
     write(campaign, tmp_path)
-    recordings = read_recordings(tmp_path)[1]
-    body, labels = recordings[0].body, tuple(int(r.gait[-2:]) for r in recordings)
-    model = Model(body, Medium(anisotropy_ratio=campaign.eps))
-    motion = Motion(make_tracks(recordings, Observation.neutral(body), model), GUESS, labels)
+    motion, model = windows(tmp_path, campaign.eps)
     between = [ActiveEffect.of("worn_wheel", 8, seizure=0.5), ActiveEffect.of("wheel_mount", share=0.2)]
     motion, begun = calibrated(motion, fit(motion, model, between, np.array([campaign.eps, 0.5, 0.2]), TO_THE_END))
     found = all_at_once(motion, begun, len(candidates_of(begun)))

@@ -11,17 +11,12 @@ import pytest
 
 from blind.campaign import COMBINATIONS, Effect, make
 from blind.folder import write
+from blind.windows import windows
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.shared import discrepancy
-from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit, fit_eps
 from serpenoid.diagnose.inference.select import at_other_places, attempts, calibrated, likeliest
-from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.medium import Medium
-from serpenoid.model import Model
 
 WHEEL = ("worn_wheel", 7)
 HEAP = [WHEEL, ("load", 2), ("load", 9)]
@@ -32,10 +27,7 @@ def explanations(folder: Path, law: Sequence[Effect], seizure: float = 0.5) -> t
     """The motion of a robot with a worn wheel, and fits of the wheel, and of a heap, without the law."""
     campaign = make(5, [*law, Effect(*WHEEL, {"seizure": seizure})], "law", COMBINATIONS[:4])
     write(campaign, folder)
-    recordings = read_recordings(folder)[1]
-    body, labels = recordings[0].body, tuple(int(r.gait[-2:]) for r in recordings)
-    model = Model(body, Medium(anisotropy_ratio=campaign.eps))
-    motion = Motion(make_tracks(recordings, Observation.neutral(body), model), GUESS, labels)
+    motion, model = windows(folder, campaign.eps)
 
     def of(keys: Sequence[tuple[str, int]]) -> Fit:
         effects = [ActiveEffect.neutral(*key) for key in keys]

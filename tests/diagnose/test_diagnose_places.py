@@ -14,24 +14,22 @@ from blind.cameras import resample
 from blind.campaign import COMBINATIONS, Campaign, make
 from blind.catalogue import Effect
 from blind.folder import write
+from blind.windows import windows
 from serpenoid.body import Floats
 from serpenoid.diagnose.data import frame
 from serpenoid.diagnose.data.geometry import shapes, turn
 from serpenoid.diagnose.data.meshes import COARSER
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_error
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.tracks import _mesh_error, make_tracks
+from serpenoid.diagnose.data.tracks import _mesh_error
 from serpenoid.diagnose.data.windows import begun_anew, predicted_path
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
 from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.room import chance
 from serpenoid.diagnose.inference.select import Selection
 from serpenoid.diagnose.report.animate import predicted
-from serpenoid.diagnose.stages.choose_motion import GUESS, strayed
+from serpenoid.diagnose.stages.choose_motion import strayed
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.medium import Medium
 from serpenoid.model import Model
 from specimens import reference, serpenoid_table
 
@@ -44,10 +42,7 @@ def fitted(folder: Path, *hidden: Effect) -> tuple[Campaign, Motion, Fit]:
     """A short campaign, and a fit of what moves windows in it, from the truth on."""
     campaign = make(5, hidden, "short", COMBINATIONS[:4])
     write(campaign, folder)
-    recordings = read_recordings(folder)[1]
-    body, labels = recordings[0].body, tuple(int(r.gait[-2:]) for r in recordings)
-    model = Model(body, Medium(anisotropy_ratio=campaign.eps))
-    motion = Motion(make_tracks(recordings, Observation.neutral(body), model), GUESS, labels)
+    motion, model = windows(folder, campaign.eps)
     effects = [ActiveEffect.of(e.name, e.place, **e.parameters) for e in hidden if e != JUMPS]
     x = np.array([campaign.eps, *(c for e in effects for c in e.coordinates[:-1])])
     found = fit(motion, model, effects, x, TO_THE_END)

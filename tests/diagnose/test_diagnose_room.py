@@ -13,18 +13,13 @@ from blind.campaign import make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import COMBINATIONS, Protocol, usual
+from blind.windows import windows
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals, window_noise
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference.medium import Fit, fit_eps
 from serpenoid.diagnose.inference.ranking import score
 from serpenoid.diagnose.inference.room import chance
 from serpenoid.diagnose.inference.select import calibrated
-from serpenoid.diagnose.stages.choose_motion import GUESS
-from serpenoid.medium import Medium
-from serpenoid.model import Model
 
 SEED, SETTINGS = 5, 3
 DRIFT = Effect("frame_drift", None, {"velocity_x": 3e-3, "velocity_y": -4e-3})
@@ -41,10 +36,7 @@ def protocol(turn: float) -> Protocol:
 def about_eps(folder: Path, turn: float, *hidden: Effect) -> tuple[Motion, Fit]:
     """Motion and the fit of eps alone, before noise is known."""
     write(make(SEED, list(hidden), "turned", protocol=protocol(turn)), folder)
-    recordings = read_recordings(folder)[1]
-    body, labels = recordings[0].body, tuple(int(r.gait[-2:]) for r in recordings)
-    model = Model(body, Medium(anisotropy_ratio=0.2))
-    motion = Motion(make_tracks(recordings, Observation.neutral(body), model), GUESS, labels)
+    motion, model = windows(folder, 0.2)
     return motion, fit_eps(motion, model)
 
 

@@ -13,16 +13,11 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
+from blind.windows import windows
 from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.inference.medium import Fit, fit_eps
 from serpenoid.diagnose.inference.select import Selection, calibrated
 from serpenoid.diagnose.inference.together import laws_together
-from serpenoid.diagnose.stages.choose_motion import GUESS
-from serpenoid.medium import Medium
-from serpenoid.model import Model
 
 WHEELS = {
     "wheel_mount": ("share", 0.9),
@@ -39,10 +34,7 @@ def wheeled(tmp_path_factory: pytest.TempPathFactory) -> tuple[Motion, Fit]:
     laws = [Effect(name, None, {parameter: value}) for name, (parameter, value) in WHEELS.items()]
     campaign = make(71, laws, "wheels", COMBINATIONS[:4])
     write(campaign, folder)
-    recordings = read_recordings(folder)[1]
-    body, labels = recordings[0].body, tuple(int(r.gait[-2:]) for r in recordings)
-    model = Model(body, Medium(anisotropy_ratio=campaign.eps))
-    motion = Motion(make_tracks(recordings, Observation.neutral(body), model), GUESS, labels)
+    motion, model = windows(folder, campaign.eps)
     return calibrated(motion, fit_eps(motion, model))
 
 

@@ -44,7 +44,6 @@ from serpenoid.diagnose.stages.ratio_change import RatioChange, ratio_changed
 from serpenoid.diagnose.stages.values_of_motion import ratio_interval
 from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.effects.catalogue import of_laws
 from serpenoid.model import Model
 
 SCORES = 20  # the best candidates, in the record
@@ -96,13 +95,6 @@ class Diagnosis:
         fitted = self.extension.model
         every = (*self.baseline.known, *(n.effect for n in self.named), *fitted.effects, *self.extension.effects)
         return Model(fitted.body, fitted.medium, tuple({e.key: e for e in every}.values()))
-
-    @property
-    def only_predicts(self) -> tuple[ActiveEffect, ...]:
-        """Effects of the extended model that are no names, nor known before, nor numbers of the law."""
-        before = {e.key for e in (*self.baseline.known, *self.motion.selection.null.model.effects)}
-        other = before | {n.effect.key for n in self.named}
-        return tuple(e for e in self.model.effects if e.key not in other and e.effect not in of_laws())
 
 
 def diagnose(
@@ -196,9 +188,8 @@ def concluded(
         leave_out = fitted_again  # to first order fits are alike with and without a gait where little is left
     predicted = tuple(held_out(found.motion, found.null, leave_out))
     extension, better = found.best, tuple(held_out(found.motion, found.best, leave_out))
-    together = laws_together(found)
-    several = found.extensions if any(stage.named for stage in stages) else ()
-    for wider in (*several, *([together] if together else [])):
+    extensions = found.extensions if any(stage.named for stage in stages) else ()
+    for wider in filter(None, (*extensions, laws_together(found))):
         unseen = tuple(held_out(found.motion, wider, leave_out))
         if path_error(found.motion, unseen, jumps) < path_error(found.motion, better, jumps):
             extension, better = wider, unseen
@@ -227,6 +218,11 @@ def _named(n: Named, law: str, length: str) -> dict[str, Any]:
     for p in n.effect.effect.parameters:
         said["parameters"][p.name]["unit"] = parameter_unit(p, law, length)
     return said
+
+
+def plain(effect: ActiveEffect) -> dict[str, Any]:
+    """An effect with its values, of which no interval is told."""
+    return {"name": effect.name, "place": effect.place, "parameters": dict(effect.parameters)}
 
 
 def _scored(scores: Sequence[tuple[str, int | None, float]]) -> list[tuple[str, int | None, float]]:
@@ -295,7 +291,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
             "change": d.ratio_change and d.ratio_change.record(),
         },
         "baseline": {
-            "effects": [{"name": e.name, "place": e.place, "parameters": dict(e.parameters)} for e in d.baseline.known],
+            "effects": [plain(e) for e in d.baseline.known],
             "anisotropy_ratio": d.baseline.model.medium.anisotropy_ratio,
         },
         "law": {"name": law, "taken": taken or None, "rivals": rivals, "drag_at": d.motion.stage.drag_at},
@@ -303,9 +299,6 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "parts_differ_by": d.motion.stage.unlike or None,
         "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},
         "gain": gain_record(d.before, d.after),
-        "only_predicts": [
-            {"name": e.name, "place": e.place, "parameters": dict(e.parameters)} for e in d.only_predicts
-        ],
         "held_out": _held_out(d),
         "left_open_m": total(open_m), "left_open_by_gait_m": of_each_gait(found.motion, open_m),
         "noise_level_m": found.noise_level_m,

@@ -35,8 +35,21 @@ class View:
 
     def displaced(self, vertex: int, edge: int, along: float, left: float) -> View:
         """With one marker moved with an edge of the body: so far along it [m], and so far to its left."""
+        e = self.direction(edge)
+        return self.moved(vertex, along * e + left * left_of(e))
+
+    def direction(self, edge: int) -> Floats:
+        """Of an edge of the body (R, 2), towards the head."""
         e = self.vertices[:, edge + 1] - self.vertices[:, edge]
-        e = e / np.linalg.norm(e, axis=-1, keepdims=True)
+        return np.asarray(e / np.linalg.norm(e, axis=-1, keepdims=True))
+
+    def moved(self, vertex: int, by: Floats) -> View:
+        """With one marker moved by (R, 2) [m]."""
         markers = self.markers.copy()
-        markers[:, vertex] += along * e + left * np.stack([-e[:, 1], e[:, 0]], -1)
+        markers[:, vertex] += by
         return replace(self, markers=markers)
+
+
+def left_of(way: Floats) -> Floats:
+    """Directions (R, 2) a quarter of a turn to the left."""
+    return np.stack([-way[:, 1], way[:, 0]], -1)

@@ -18,12 +18,12 @@ import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.discrepancy import deviance
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, fit_eps
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit, fit_eps
 from serpenoid.diagnose.inference.names import Try
 from serpenoid.diagnose.inference.ranking import score, shortlist
 from serpenoid.diagnose.inference.rules import choose
 from serpenoid.diagnose.inference.select import FULL_FITS, SHARE, Selection, attempts
-from serpenoid.diagnose.inference.together import of_the_body
+from serpenoid.diagnose.inference.together import laws_of_the_body
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
@@ -91,8 +91,7 @@ def _unlikely(how: Likely) -> float:
 def laws(found: Selection) -> list[Fit]:
     """Every law of the body's own that explains alone what eps does not, for its price."""
     motion, null = found.motion, found.null
-    whole = [c for c in candidates_of(null) if of_the_body(c)]
-    whole = [c for c in whole if c.name not in motion.untestable]
+    whole = laws_of_the_body(motion, null)
     starts = [np.concatenate([null.coordinates, c.coordinates[:-1]]) for c in whole]
     fits = in_processes([(fit, (motion, null.model, [c], x, TO_THE_END)) for c, x in zip(whole, starts, strict=True)])
     return [f for f in fits if choose(null, [f], len(whole)) is not None]

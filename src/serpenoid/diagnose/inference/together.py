@@ -21,14 +21,18 @@ def laws_together(found: Selection) -> Fit | None:
     motion, best = found.motion, found.settled
     if not unclear(found.best) or len(set(motion.labels)) < 2:
         return None
-    listed = [c for c in (*best.effects, *candidates_of(best)) if c.name not in motion.untestable]
-    whole = [c for c in listed if of_the_body(c) and not c.effect.remembers]
+    whole = [c for c in (*best.effects, *laws_of_the_body(motion, best)) if of_the_body(c) and not c.effect.remembers]
     placed = [e for e in best.effects if e not in whole]
     tries = len(candidates_of(found.null))
     fits = [best, *(_together(motion, best, effects, tries) for effects in ([*placed, *whole], whole))]
     entire = [f for f in fits if f.evidence.count.sum() >= best.evidence.count.sum()]
     likeliest = min(entire, key=lambda f: information_criterion(motion, f))
     return None if likeliest is best else likeliest
+
+
+def laws_of_the_body(motion: Motion, base: Fit) -> list[ActiveEffect]:
+    """All that are candidates beside a fit."""
+    return [c for c in candidates_of(base) if of_the_body(c) and c.name not in motion.untestable]
 
 
 def of_the_body(effect: ActiveEffect) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 from serpenoid.body import Body
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
-from serpenoid.diagnose.diagnose import Diagnosis, record
+from serpenoid.diagnose.diagnose import Diagnosis, plain, record
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import of_laws
 from serpenoid.files.writing import provenance, write_json
@@ -38,6 +38,7 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, A
     before = d.motion.selection.null.model
     known = {e.key: e for e in (*d.baseline.known, *before.effects)}
     notes = [role(e, data["effects"], known) for e in d.model.effects]
+    data["only_predicts"] = [plain(e) for e, note in zip(d.model.effects, notes, strict=True) if note == PREDICTION]
     middles = d.model.body.vertices > file.body.vertices and not file.tracked_only
     body, places = (d.model.body, f"\n{PLACES}") if middles else (None, "")
     data["remarks"] += [PLACES] * middles

@@ -82,13 +82,11 @@ def one_in_each(motion: Motion, predicted: Sequence[Prediction], eps: float) -> 
     )
 
 
-def more_than_before(motion: Motion, model: Model) -> tuple[str, ...]:
+def more_than_before(motion: Motion, predicted: Sequence[Prediction], model: Model) -> tuple[str, ...]:
     """What is said where paths of repeats are much farther apart than those of the same settings were in an earlier
     campaign: a change acts in some trials, and what it does there is no chance. model: of which eps is fitted."""
     if motion.ratio is None or not motion.earlier.apart:
         return ()
-    before_it = Model(model.body, model.medium.with_ratio(motion.ratio), motion.held)
-    predicted = predictions(before_it, motion.tracks)
     now, then = ({s: told for s, *told in of} for of in (apart_by_setting(motion, predicted), motion.earlier.apart))
     both = now.keys() & then.keys()
     if not both:
@@ -98,7 +96,8 @@ def more_than_before(motion: Motion, model: Model) -> tuple[str, ...]:
     if ratio <= max(UNLIKE, largest_factor(float(np.sqrt(0.5 / pairs + 0.5 / earlier)))):
         return ()
     most = before * largest_factor(float(np.sqrt(0.5 / earlier + 0.5)))
-    tracks = [(t, p) for t, p in zip(motion.tracks, predicted, strict=True) if t.recording.setting in both]
+    as_then = predictions(Model(model.body, model.medium.with_ratio(motion.ratio), motion.held), motion.tracks)
+    tracks = [(t, p) for t, p in zip(motion.tracks, as_then, strict=True) if t.recording.setting in both]
     off = {t.recording.name: path_rms(t, p) > most for t, p in tracks}
     alike, other = ([f"`{name}`" for name, is_off in off.items() if is_off is wanted] for wanted in (False, True))
     words = f"trials of one setting differ by {ratio:.{1 if ratio < 10 else 0}f} times as much as in the reference"

@@ -331,5 +331,5 @@ def _left_over(found: Selection, parts: Differing | None, mend: bool) -> tuple[s
         pattern(motion, predictions, path_error(motion, predictions, mend)),
         as_floors_do(motion, predictions, eps),
     )
-    floors = floors or more_than_before(motion, found.null.model)
+    floors = floors or more_than_before(motion, predictions, found.null.model)
     return (*words, *(floors or (one_in_each(motion, predictions, eps) if words else ())))

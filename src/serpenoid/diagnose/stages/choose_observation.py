@@ -163,8 +163,8 @@ def _from_trial_to_trial(best: Looked, joint: int) -> tuple[str, ...]:
     changes = np.diff(angles[known])
     at = int(np.abs(changes).argmax())
     return (f"joint {joint + 1} is bent by another angle from trial to trial, by {changes[at]:+.3g} rad at "
-            f"`{best.data.names[known[at + 1]]}`: its horn, or a marker beside it, may have "
-            "slipped",)  # fmt: skip
+            f"`{best.data.names[known[at + 1]]}`: "
+            "its horn, or a marker beside it, may have slipped",)  # fmt: skip
 
 
 def _next(best: Looked) -> Looked | None:

@@ -5,13 +5,11 @@ At an end of the body it is the bend of the joint next to it, and N is to the le
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from serpenoid.body import Body
 from serpenoid.effects.base import ObservationEffect, Parameter, Values
-from serpenoid.effects.view import View
+from serpenoid.effects.view import View, left_of
 
 
 class MarkerSway(ObservationEffect):
@@ -28,15 +26,11 @@ class MarkerSway(ObservationEffect):
         """Move one marker."""
         vertex, last = place or 0, view.vertices.shape[1] - 1
         joint = min(max(vertex, 1), last - 1)
-        behind, ahead = (view.vertices[:, k + 1] - view.vertices[:, k] for k in (joint - 1, joint))
-        behind, ahead = (e / np.linalg.norm(e, axis=-1, keepdims=True) for e in (behind, ahead))
-        cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
-        bend = np.arctan2(cross, (behind * ahead).sum(axis=-1))[:, None]
+        behind, ahead = view.direction(joint - 1), view.direction(joint)
+        bend = np.arctan2((left_of(behind) * ahead).sum(axis=-1), (behind * ahead).sum(axis=-1))[:, None]
         middle = behind * (vertex < last) + ahead * (vertex > 0)
         middle /= np.linalg.norm(middle, axis=-1, keepdims=True)
-        markers = view.markers.copy()
-        markers[:, vertex] += values["sway"] * bend * np.stack([-middle[:, 1], middle[:, 0]], -1)
-        return replace(view, markers=markers)
+        return view.moved(vertex, values["sway"] * bend * left_of(middle))
 
 
 EFFECT = MarkerSway(
