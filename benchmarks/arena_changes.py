@@ -1,13 +1,12 @@
-"""How much of a change of an arena robot a law of the floor can tell at all: the arena's own law, told the truth.
+"""How much of a change of an arena robot its own law of the floor tells, if it is told the truth and nothing is fitted.
 
     PYTHONPATH=src:tests:benchmarks python benchmarks/arena_changes.py FOLDER > results/benchmarks/arena_changes.md
 
 Robots drawn at random (`arena.any_robot`), healthy and changed, are played into FOLDER. Windows of both are predicted
 by force balance at every step of the measured shapes, with the arena's contact law, the robot's own numbers and the
 true change. What the change is (mean of its trials minus mean of the healthy ones of the same setting) is compared with
-what is left of it beside that prediction, and beside that of the healthy law on the changed shapes. A law that leaves
-as much as there was says nothing of the cause, whoever knows it: what differs then is what a balance of forces does not
-hold (wheels that leave the floor, inertia, joints that give way).
+what is left of it beside that prediction, and beside that of the healthy law on the changed shapes. Nothing is fitted.
+What is left is what a balance of forces does not hold (wheels that leave the floor, inertia, joints that give way).
 """
 
 from __future__ import annotations
