@@ -11,6 +11,7 @@ physics                   a law of the generator's floor is taken out of the cat
 dry                       the same on floors of dry friction: forces in an ellipse, in a box, or along those of drag
                           that set in as a root, a hyperbolic or an arc tangent does; nothing is taken out
 same                      healthy, and as the reference the same gaits on another day
+amid                      something begins amid a campaign that plays gaits twice, and acts in some trials alone
 days                      the same of any protocol that plays gaits twice, on floors that differ from trial to trial
 """
 
@@ -20,6 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from blind import changed_trials
 from blind.campaign import COMBINATIONS, Campaign, Hide, make
 from blind.catalogue import FLOORS, ON_WHEELS, Effect, drawn
 from blind.handful import HANDFUL, HANDFUL_COMBINATIONS
@@ -40,18 +42,19 @@ LAWS: dict[str, tuple[str, float, float]] = {
 ANOTHER_DAY = (1,)
 DAYS = (("now", ()), ("before", ANOTHER_DAY))
 RANDOM = ("random", "laid", "weather", "days")
-KINDS = (*HIDDEN, "followup", "handful", "random", "laid", "weather", "physics", "dry", "same", "days")
+KINDS = (*HIDDEN, "followup", "handful", "random", "laid", "weather", "physics", "dry", "same", "days", "amid")
 
 
 @dataclass(frozen=True)
 class Case:
     """One campaign of a study. cause: null, one, two or outside; reference: an earlier one; without: effects that the
-    catalogue must not have."""
+    catalogue must not have; acts: names of trials in which effects act, if not in all."""
 
     campaign: Campaign
     cause: str
     reference: Campaign | None = None
     without: tuple[str, ...] = ()
+    acts: frozenset[str] | None = None
 
 
 def case(kind: str, index: int, seed: int, identity: str) -> Case:
@@ -69,6 +72,9 @@ def case(kind: str, index: int, seed: int, identity: str) -> Case:
         protocol = laid_anew(protocol, seed) if kind == "laid" else protocol
         among, weather = effects_that_show(protocol), kind == "weather"
         return Case(make(seed, HIDDEN[cause], identity, protocol=protocol, among=among, weather=weather), cause)
+    if kind == "amid":
+        campaign, acts, before = changed_trials.draw(index, seed, identity)
+        return Case(campaign, "one" if campaign.effects else "null", before, acts=acts)
     if kind == "physics":
         return _another_physics(index, seed, identity)
     if kind == "dry":

@@ -28,6 +28,7 @@ TITLES = {
     "dry": "Floors of dry friction",
     "same": "Healthy against healthy",
     "days": "Healthy against healthy, floors that differ a little from trial to trial",
+    "amid": "Random protocols, something begins amid the campaign",
 }
 TARGETS = {"one": "95 %", "null": "98 %", "two": "80 %", "outside": "95 %"}
 CAUSES = ("null", "one", "two", "outside")

@@ -25,7 +25,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from blind import table
+from blind import changed_trials, table
 from blind.campaign import Campaign
 from blind.catalogue import CATALOGUE
 from blind.folder import seal, write
@@ -106,6 +106,8 @@ def _after_m(diagnosis: dict[str, Any]) -> float | None:
 
 def score(found: Case, diagnosis: dict[str, Any]) -> dict[str, Any]:
     """Everything the seal allows to say about a diagnosis."""
+    if found.acts is not None:
+        return changed_trials.score(found.campaign, found.acts, diagnosis)
     c, said = found.campaign, answer(diagnosis)
     f = floor(c)
     row: dict[str, Any] = {
@@ -239,7 +241,7 @@ def main() -> None:
     p.add_argument("--cluster", help="a Dask scheduler's address, or local:N")
     p.add_argument("--keep", action="store_true", help="keep the campaign folders")
     a = p.parse_args()
-    model = a.model or (None if a.kind in RANDOM else "problems/snake10.toml")
+    model = a.model or (None if a.kind in (*RANDOM, "amid") else "problems/snake10.toml")
     run(Study(a.kind, a.out, model, a.diagnose, a.key, keep=a.keep), a.count, Workers(a.jobs, a.cluster))
 
 

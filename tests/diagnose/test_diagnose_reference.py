@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -37,7 +36,6 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.logs import TICK
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.wording import listed
 
 TOE = Effect("toe", None, {"angle": 0.05})  # there all the time
 INERTIA = ActiveEffect.of("inertia", relaxation_time=0.05)
@@ -59,27 +57,6 @@ def test_what_changed_since_the_reference_is_named_and_what_was_so_is_not(tmp_pa
     assert low < ZERO.parameters["offset"] < high
     assert said["reference"]["verdict"] == "explained"
     assert [e["name"] for e in said["reference"]["effects"]] == ["toe"]
-
-
-def test_a_change_amid_the_campaign_is_no_chance_and_its_trials_are_told(tmp_path: Path) -> None:
-    """A wheel that seizes before the last play of each gait; what that does is many times what repeats differed by."""
-    few = COMBINATIONS[:2]
-    worn = Effect("worn_wheel", 6, {"seizure": 0.6})
-    write(make(63, [], "then", few), tmp_path / "then")
-    write(make(63, [], "now", few, chance=(1,)), tmp_path / "now")
-    write(make(63, [worn], "later", few, chance=(1,)), tmp_path / "later")
-    gaits = sorted(table.stem for table in (tmp_path / "now" / "gaits").iterdir())
-    last = [max(folder.name for folder in (tmp_path / "now").glob(f"{gait}-*")) for gait in gaits]
-    for name in last:
-        shutil.rmtree(tmp_path / "now" / name)
-        shutil.move(tmp_path / "later" / name, tmp_path / "now" / name)
-    out = tmp_path / "out"
-    options = ["--reference", str(tmp_path / "then"), "--out", str(out), "--no-figures", "--quiet"]
-    assert main(["diagnose", str(tmp_path / "now"), *options]) == 0
-    said = json.loads((out / "diagnosis.json").read_text())
-    assert said["verdict"] == "unexplained"
-    (told,) = [w for w in said["residual_pattern"] if "as much as in the reference" in w]
-    assert f"{listed([f'`{n}`' for n in last])} do not move as the reference predicts" in told
 
 
 GRIP = Effect("grip_saturation", None, {"saturation_speed": 0.03})

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from serpenoid.diagnose.inference.finding import Divided
 from serpenoid.diagnose.stages.trials_astray import trials_astray
 
 ROWS = 200
@@ -41,22 +42,27 @@ def wave(size: float) -> np.ndarray:
     return size * np.sqrt(2) * np.cos(np.linspace(0, 4 * np.pi, ROWS))[:, None] * np.ones(3)
 
 
-def said(*each: np.ndarray) -> tuple[str, ...]:
+def said(*each: np.ndarray) -> Divided | None:
     return trials_astray(Left(each), np.tile(TOLD, (len(each), 1)), 0)
 
 
 def test_what_all_trials_leave_about_as_much_of_as_noise_is_told_of_none():
-    assert said(wave(1.12), wave(1.41), wave(0.63), wave(1.16)) == ()
-    assert said(wave(0.8), wave(1.24)) == ()
+    assert said(wave(1.12), wave(1.41), wave(0.63), wave(1.16)) is None
+    assert said(wave(0.8), wave(1.24)) is None
 
 
 def test_a_trial_that_strays_far_is_told_and_so_is_one_that_alone_follows():
-    assert said(wave(0.5), wave(0.3), wave(4.0), wave(0.0)) == ("all joints stray in `g2` alone",)
-    assert said(wave(3.0), wave(4.0), wave(0.2), wave(3.0)) == ("all joints follow their commands in `g2` alone",)
+    names = ("g0-1", "g1-1", "g2-1", "g3-1")
+    one, others = names[2:3], (*names[:2], names[3])
+    told = said(wave(0.5), wave(0.3), wave(4.0), wave(0.0))
+    assert told == Divided("all joints stray in `g2` alone", changed=one, others=others)
+    told = said(wave(3.0), wave(4.0), wave(0.2), wave(3.0))
+    assert told == Divided("all joints follow their commands in `g2` alone", changed=others, others=one)
 
 
 @pytest.mark.parametrize("gain", [0.0, 0.75, 1.5])
 def test_how_far_joints_go_is_told_where_that_is_what_they_stray_by(gain):
     told = 20 * (gain - 1) * TOLD
-    (words,) = trials_astray(Left((wave(0.1), wave(0.1), told)), 20 * np.tile(TOLD, (3, 1)), 0)
-    assert words == f"all joints stray in `g2` alone, {gain:.2f} times as far as told"
+    found = trials_astray(Left((wave(0.1), wave(0.1), told)), 20 * np.tile(TOLD, (3, 1)), 0)
+    assert found is not None
+    assert found.words == f"all joints stray in `g2` alone, {gain:.2f} times as far as told"

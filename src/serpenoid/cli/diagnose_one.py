@@ -79,6 +79,7 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Read]) 
         if not args.no_figures:
             work.draw()
         pictures.in_report(found, record)
+        pictures.of_changed(found, record)
         work.finish()
     options.report(args, record, [*lines(record), f"written to {folder}"], folder)
     return 0

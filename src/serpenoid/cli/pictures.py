@@ -46,6 +46,16 @@ class Pictures:
             self._ask(_experiment, read_table(self._folder / proposed["joint_table"]))
         write_pages(self._folder, record, animated(found), self._wait)
 
+    def of_changed(self, found: Diagnosis, record: dict[str, Any]) -> None:
+        """All of trials in which something acts alone, if there are any, and their report."""
+        if found.changed is None:
+            return
+        own, told = Pictures(self._folder / record["changed_trials"]["folder"], self._artist), found.changed.found
+        own.of_shapes(told.ladder)
+        own.of_motion(told.motion.selection)
+        own.of_rest(told)
+        own.in_report(told, record["changed_trials"]["diagnosis"])
+
     def _ask(self, draw: Callable[[Path, Any], object], what: object) -> None:
         if self._artist is not None:
             self._awaited.append(self._artist.ask(draw, self._folder, what))

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from serpenoid.compare.calibrate import anisotropy, drag_ratio
+from serpenoid.diagnose.changed_trials import with_changed_trials
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.tracked import tracked_recordings
 from serpenoid.diagnose.data.tracks import NoPath
@@ -81,6 +82,7 @@ def diagnose_campaign(
     _, recordings = read_recordings(campaign, reading, files)
     recordings = tuple(r.with_middles() for r in recordings) if middles else recordings
     try:
-        return file, diagnose(recordings, known, say, searched, climbed)
+        found = diagnose(recordings, known, say, searched, climbed)
+        return file, with_changed_trials(recordings, known, found, say)
     except NoPath as none:
         raise InputError(rootless(str(model or campaign), none, known.model.effects)) from none

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from serpenoid.diagnose.data.tracked import TrackedRecording
 from serpenoid.diagnose.data.used import length_unit, parameter_unit, remarks, used
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.bounds import ratio_at_bound
-from serpenoid.diagnose.inference.finding import Named, Rival, Stage
+from serpenoid.diagnose.inference.finding import Divided, Named, Rival, Stage
 from serpenoid.diagnose.inference.held_out import (
     LeaveOut,
     first_order,
@@ -46,6 +46,9 @@ from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
+if TYPE_CHECKING:
+    from serpenoid.diagnose.changed_trials import ChangedTrials
+
 SCORES = 20  # the best candidates, in the record
 RELAID = 3  # a clock that play has drawn aside by 1 ms is off by 0.05 ms after the first
 NO_LOG = "no servo log: shapes are what the points show"
@@ -58,7 +61,7 @@ class Diagnosis:
     held_out: every trial predicted by a fit to the other gaits, baseline and extended.
     baseline: what was taken for granted; seen: the observation model; extension: the fit that the extended model takes
     over, with what is too weak to be named where paths of held-out gaits need it. drag_ratio: of an animal, K and its
-    95 % interval if drag is all there is, as `fit` says.
+    95 % interval if drag is all there is, as `fit` says. changed: trials in which something acts alone, if it does.
     """
 
     verdict: str
@@ -73,6 +76,12 @@ class Diagnosis:
     ladder: tuple[Step, ...]
     drag_ratio: tuple[float, float, float] | None = None
     ratio_change: RatioChange | None = None
+    changed: ChangedTrials | None = None
+
+    @property
+    def divided(self) -> Divided | None:
+        """Which trials something acts in alone, by the first stage that tells."""
+        return next((s.divided for s in self.stages if s.divided is not None and s.divided.changed), None)
 
     @property
     def named(self) -> tuple[Named, ...]:

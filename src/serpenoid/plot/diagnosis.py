@@ -41,7 +41,8 @@ def draw_shapes(folder: Path, steps: Sequence[Step]) -> list[str]:
     """Joint by joint and marker by marker: what the ladder's steps from command to markers show. One after the other:
     while the motion is judged nobody waits for them, and no core is free."""
     with limited(1):
-        return _draw(folder, {PARTS[s.error.name]: partial(diagnosis_ladder.parts_figure, s) for s in steps})
+        parts = [s for s in steps if s.error.name in PARTS]
+        return _draw(folder, {PARTS[s.error.name]: partial(diagnosis_ladder.parts_figure, s) for s in parts})
 
 
 def draw_motion(folder: Path, found: Selection) -> list[str]:

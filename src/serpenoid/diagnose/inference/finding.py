@@ -8,6 +8,7 @@ from math import inf
 from typing import Any
 
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.wording import listed
 
 VISIBLE = 1.0  # times the noise level: what is smaller than noise is below detection, and if it is left not spoken of
 
@@ -79,6 +80,24 @@ def excludable(chi2: float, least: float, count: float, band: float, slack: floa
 
 
 @dataclass(frozen=True)
+class Divided:
+    """What acts in some trials alone. words: what is said of it; changed, others: names of trials, empty where it is
+    not known which are which; perhaps: it may act in all of them, and show in some, unless those tell it by themselves.
+    """
+
+    words: str
+    changed: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
+    perhaps: bool = False
+
+
+def alone(changed: Sequence[str], others: Sequence[str]) -> str:
+    """Which trials something acts in, by what is shorter."""
+    few, names = (changed, "") if len(changed) <= len(others) else (others, "all but ")
+    return f"{names}{listed([f'`{name}`' for name in few])}"
+
+
+@dataclass(frozen=True)
 class Stage:
     """What one stage says: effects named, rivals that cannot be excluded, effects too weak to name, what is left.
 
@@ -90,7 +109,7 @@ class Stage:
     unlike, ratio: the effect by which parts of a kind differ from one another, if they do, and ends of eps beside it.
     squares: of the markers' stage, of each channel and of all together, what nothing accounts for in units of noise.
     news: of that stage, too, of each channel, which share of what is left was not left before, if visibly; else 0.
-    mend: what to mend in the campaign before the rest is believed.
+    mend: what to mend in the campaign before the rest is believed. divided: how trials are by what acts in some alone.
     """
 
     name: str
@@ -110,6 +129,7 @@ class Stage:
     squares: tuple[float, ...] = ()
     news: tuple[float, ...] = ()
     mend: str = ""
+    divided: Divided | None = None
 
     @property
     def settled(self) -> bool:

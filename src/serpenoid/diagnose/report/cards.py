@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from serpenoid.diagnose.report.sentences import (
     SETTLED,
+    changed_trials,
     drag_ratio,
     inadequacy,
     instead,
@@ -50,7 +51,14 @@ def cards(record: Record) -> list[Card]:
 
 def _verdict(record: Record) -> Card:
     mend = record.get("mend_first", [])
-    said = [meaning(record), *ratio_change(record), *mend, *inadequacy(record), *rival_law(record)]
+    said = [
+        meaning(record),
+        *changed_trials(record)[:2],
+        *ratio_change(record),
+        *mend,
+        *inadequacy(record),
+        *rival_law(record),
+    ]
     rows = [(s["stage"], times_noise(s["after"], s["noise_level"])) for s in record["ladder"]]
     rows += [(stage, "skipped") for stage in record["skipped"] if record["drag_ratio"] is None]
     return Card("Verdict", record["verdict"], [*map(sentence, said), "What is left, stage by stage:"], rows,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import hypot
 
+from serpenoid.diagnose.inference.finding import alone
 from serpenoid.diagnose.inference.laws import NEITHER
 from serpenoid.diagnose.report.words import (
     Record,
@@ -56,6 +57,8 @@ def meaning(record: Record) -> str:
         return UNREPEATED[record["verdict"]]
     if record["verdict"] == "nothing" and record["reference"]:
         return "nothing has changed since the reference beyond the noise of either"
+    if record.get("changed_trials"):
+        return "something acts in some of the trials alone: see `changed trials`"
     hiding = record["verdict"] in SETTLED and (record.get("noise_over_markers") or 0.0) > OTHER_CHANCE
     return MEANINGS[record["verdict"]].format(law=law(record)) + HIDING * hiding
 
@@ -221,6 +224,17 @@ def ratio(record: Record) -> str:
     said += [f"{_told_beside(record):.4g} in the reference"] if record["reference"] else []
     said += ["at its bound: a warning that the law is another"] if eps["at_bound"] else []
     return "; ".join(said)
+
+
+def changed_trials(record: Record) -> list[str]:
+    """Which trials were diagnosed alone, beside what, and what came of it."""
+    told = record.get("changed_trials")  # none in older answers
+    if not told:
+        return []
+    answer = told["diagnosis"]
+    names, beside = alone(told["trials"], told["others"]), "the reference" if record["reference"] else "the others"
+    causes = few([title(e) for e in answer["effects"]]) if answer["effects"] else "no effect named"
+    return [f"{names}, diagnosed beside {beside}: {answer['verdict']}", causes, f"{told['folder']}/report.html"]
 
 
 def ratio_change(record: Record) -> list[str]:

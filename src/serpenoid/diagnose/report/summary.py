@@ -7,9 +7,11 @@ import textwrap
 from collections.abc import Iterable
 
 from serpenoid.body import WHOLE_LINKS
+from serpenoid.diagnose.inference.finding import alone
 from serpenoid.diagnose.report.sentences import (
     already_in_short,
     chance,
+    changed_trials,
     drag_ratio,
     experiment,
     held_out,
@@ -52,8 +54,16 @@ DETAILS = "Details"
 
 
 def lines(record: Record) -> list[str]:
-    """The summary on the screen."""
-    return [*_decides(record), "", DETAILS, *_details(record)]
+    """The summary on the screen; what changed trials show by themselves stands before the details."""
+    return [*_decides(record), *_changed(record), "", DETAILS, *_details(record)]
+
+
+def _changed(record: Record) -> list[str]:
+    """The answer of the trials in which something acts alone."""
+    told = record.get("changed_trials")
+    return (
+        ["", f"Changed trials: {alone(told['trials'], told['others'])}", *_decides(told["diagnosis"])] if told else []
+    )
 
 
 def _decides(record: Record) -> list[str]:
@@ -62,6 +72,7 @@ def _decides(record: Record) -> list[str]:
     held = "in sample" if in_sample(record) else f"held-out {unseen(record)}"
     return [
         *_rows("verdict", [f"{verdict}: {meaning(record)}"]),
+        *_rows("changed trials", changed_trials(record)),
         *_rows("since then", ratio_change(record)),
         *_rows("mend first", record.get("mend_first", [])),
         *_rows("caution", inadequacy(record)),

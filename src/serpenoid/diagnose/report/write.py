@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.body import Body
+from serpenoid.diagnose.changed_trials import ChangedTrials
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.diagnose import Diagnosis, plain, record
+from serpenoid.diagnose.reference import summary
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import of_laws
 from serpenoid.files.writing import provenance, write_json
@@ -21,6 +23,8 @@ PLACES = (
     "drag sits in the middles of edges, which are vertices here: 2 k is vertex k of the campaign's body, 2 k + 1 the "
     "middle of edge k"
 )
+CHANGED = "changed-trials"  # the folder of their answer, in that of the whole campaign's
+LONG = ("residual_maps", "scores", "provenance")  # of an answer that stands in another: its own file has them
 PREDICTION = "only to predict: not named as a cause"
 PREDICTS = (
     "\nIt predicts the recorded motion. What is marked as not named is no cause that was found; the anisotropy ratio"
@@ -49,8 +53,20 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, A
     comment = f"what the diagnosis of {file.name} began with, calibrated" + places
     write_model_file(folder / "baseline-model.toml", before.medium, tuple(known.values()), body, comment)
     data["next_experiment"] = _next_experiment(folder, d)
+    data["changed_trials"] = None if d.changed is None else _changed(folder, file, d.changed, reference)
     write_json(folder / "diagnosis.json", data)
     return data
+
+
+def _changed(folder: Path, file: CampaignFile, of: ChangedTrials, reference: dict[str, Any] | None) -> dict[str, Any]:
+    """The answer of the trials in which something acts, written into a folder of its own."""
+    others = {"campaign": f"{file.name}, the other trials"}
+    before = reference if of.before is None else summary(of.before) | others
+    named = file.model_copy(update={"name": f"{file.name}, changed trials"})
+    answer = write(folder / CHANGED, named, of.found, before)
+    told = {key: value for key, value in answer.items() if key not in LONG}
+    trials, rest = list(of.divided.changed), list(of.divided.others)
+    return {"trials": trials, "others": rest, "folder": CHANGED, "diagnosis": told}
 
 
 def about_links(body: Body, settled: bool) -> list[str]:

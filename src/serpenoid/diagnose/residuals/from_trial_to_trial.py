@@ -18,7 +18,8 @@ Legend: P pairs, K windows that were played twice.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from itertools import pairwise
 
 import numpy as np
 from scipy.special import fdtri
@@ -30,6 +31,7 @@ from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.paths import apart_by_setting, path_rms
 from serpenoid.diagnose.data.repeats import UNLIKE, pairs, repeats
 from serpenoid.diagnose.data.windows import Prediction, predictions
+from serpenoid.diagnose.inference.finding import Divided, alone
 from serpenoid.model import Model
 from serpenoid.simulation.sensitivity import EPS
 from serpenoid.wording import listed
@@ -82,32 +84,54 @@ def one_in_each(motion: Motion, predicted: Sequence[Prediction], eps: float) -> 
     )
 
 
-def more_than_before(motion: Motion, predicted: Sequence[Prediction], model: Model) -> tuple[str, ...]:
-    """What is said where paths of repeats are much farther apart than those of the same settings were in an earlier
-    campaign: a change acts in some trials, and what it does there is no chance. model: of which eps is fitted."""
+def more_than_before(motion: Motion, predicted: Sequence[Prediction], model: Model) -> Divided | None:
+    """Where paths of repeats are much farther apart than those of the same settings were in an earlier campaign: a
+    change acts in some trials, and what it does there is no chance. model: of which eps is fitted."""
     if motion.ratio is None or not motion.earlier.apart:
-        return ()
+        return None
     now, then = ({s: told for s, *told in of} for of in (apart_by_setting(motion, predicted), motion.earlier.apart))
     both = now.keys() & then.keys()
     if not both:
-        return ()
+        return None
     (level, pairs), (before, earlier) = (_pooled([told[s] for s in both]) for told in (now, then))
     ratio = level / max(before, TINY)
     if ratio <= max(UNLIKE, largest_factor(float(np.sqrt(0.5 / pairs + 0.5 / earlier)))):
-        return ()
-    most = before * largest_factor(float(np.sqrt(0.5 / earlier + 0.5)))
-    as_then = predictions(Model(model.body, model.medium.with_ratio(motion.ratio), motion.held), motion.tracks)
-    tracks = [(t, p) for t, p in zip(motion.tracks, as_then, strict=True) if t.recording.setting in both]
-    off = {t.recording.name: path_rms(t, p) > most for t, p in tracks}
-    alike, other = ([f"`{name}`" for name, is_off in off.items() if is_off is wanted] for wanted in (False, True))
+        return None
+    changed, others = _moving_as_then(motion, model, both)
     words = f"trials of one setting differ by {ratio:.{1 if ratio < 10 else 0}f} times as much as in the reference"
-    if not alike or not other:
-        return (f"{words}: what has changed does not act in all of them alike",)
-    which = f"{listed(other)} do not" if len(other) <= len(alike) else f"{listed(alike)} do, the others do not"
-    return (
-        f"{words}: {which} move as the reference predicts. Did something change amid the campaign? Diagnose those that "
-        "do not, alone, with the same `--reference`",
+    if not changed or not others:
+        return Divided(f"{words}: what has changed does not act in all of them alike")
+    return Divided(
+        f"{words}: something changed amid the campaign, and acts in {alone(changed, others)}", changed, others
     )
+
+
+def after_some(motion: Motion, model: Model) -> Divided | None:
+    """Where trials of settings that were played in an earlier campaign move as that predicts until one of them, and
+    not from it on, or not in a run of them: that may be other gaits, too, so it is `perhaps`."""
+    if motion.ratio is None or not motion.earlier.apart:
+        return None
+    changed, others = _moving_as_then(motion, model, {setting for setting, *_ in motion.earlier.apart})
+    off = [t.recording.name in changed for t in motion.tracks if t.recording.name in {*changed, *others}]
+    if not changed or not others or off[0] or sum(a != b for a, b in pairwise(off)) > 2:
+        return None
+    words = f"all of {listed([f'`{name}`' for name in others])} move as the reference predicts, and no other trial does"
+    return Divided(words, changed, others, perhaps=True)
+
+
+def _moving_as_then(
+    motion: Motion, model: Model, settings: Collection[tuple[str, float]]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of trials of some settings whose paths stray from what an earlier campaign predicts by more than repeats
+    strayed from each other then, and of the others."""
+    before, earlier = _pooled([told for setting, *told in motion.earlier.apart if setting in settings])
+    most = before * largest_factor(float(np.sqrt(0.5 / earlier + 0.5)))
+    medium = model.medium if motion.ratio is None else model.medium.with_ratio(motion.ratio)
+    as_then = predictions(Model(model.body, medium, motion.held), motion.tracks)
+    tracks = [(t, p) for t, p in zip(motion.tracks, as_then, strict=True) if t.recording.setting in settings]
+    off = {t.recording.name: path_rms(t, p) > most for t, p in tracks}
+    changed, others = (tuple(name for name, is_off in off.items() if is_off is wanted) for wanted in (True, False))
+    return changed, others
 
 
 def _pooled(told: Sequence[Sequence[float]]) -> tuple[float, int]:

@@ -82,14 +82,15 @@ def choose_actuation(data: Plays) -> Stage:
     squares = data.structure(best.angles)
     worst, left = int(squares.argmax()), float(np.sqrt(1 + squares.max()))
     words: tuple[str, ...] = ()
+    divided = None
     if squares[worst] > VISIBLE**2:
-        words = (_unlike(best, worst, left),)
-        words += (*trials_astray(data, best.angles, worst), *refused)
+        divided = trials_astray(data, best.angles, worst)
+        words = (_unlike(best, worst, left), *([] if divided is None else [divided.words]), *refused)
     every = [_named(best, e) for e in best.effects]
     named = tuple(n for n in every if n.strength >= VISIBLE and not n.may_change_nothing)
     undetected = tuple(n for n in every if n not in named)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
-    return Stage("actuation", named, rivals, undetected, left, words)
+    return Stage("actuation", named, rivals, undetected, left, words, divided=divided)
 
 
 def _unlike(best: Played, joint: int, left: float) -> str:

@@ -21,7 +21,7 @@ from serpenoid.diagnose.inference.at_one_vertex import AtOneVertex, at_one_verte
 from serpenoid.diagnose.inference.differing import Differing, differing
 from serpenoid.diagnose.inference.discrepancy import size_done
 from serpenoid.diagnose.inference.explanations import acts
-from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage
+from serpenoid.diagnose.inference.finding import VISIBLE, Divided, Named, Stage
 from serpenoid.diagnose.inference.groups import Swap, groups
 from serpenoid.diagnose.inference.jumps import find_jumps
 from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted, yielding
@@ -33,7 +33,8 @@ from serpenoid.diagnose.inference.names import Key, Refused, Weak
 from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.profile import in_its_range
 from serpenoid.diagnose.inference.select import Retrack, Selection, calibrated, retracked, select
-from serpenoid.diagnose.residuals.from_trial_to_trial import as_floors_do, more_than_before, one_in_each
+from serpenoid.diagnose.residuals.from_trial_to_trial import after_some, as_floors_do, more_than_before, one_in_each
+from serpenoid.diagnose.residuals.in_some_trials import one_cause_in_some
 from serpenoid.diagnose.residuals.residual_words import astray, pattern
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.law_of_medium import SAME, law_of, numbers_settled, with_own_numbers
@@ -204,13 +205,13 @@ def finding(
     undetected = [undetected_of(f, noise_level) for f in found.undetected]
     if jumps is not None:
         (named if jumps.strength >= VISIBLE else undetected).append(jumps)
-    words = _left_over(found, parts, mend=jumps is not None)
+    words, divided = _left_over(found, parts, mend=jumps is not None)
     unlike = ""
     alone: tuple[AtOneVertex, ...] = ()
     if words and parts is None:
         alone = at_one_vertex(found)
         words = (*words, *refusals(found.refused), *(a.words for a in alone))
-    if parts is not None and (parts.told or _left_over(found, None, mend=jumps is not None)):
+    if parts is not None and (parts.told or _left_over(found, None, mend=jumps is not None)[0]):
         words, unlike = (*words, parts.words), parts.kind
         named = [replace(n, stand_in=n.effect.key in doubtful) for n in named]
     if wrong:
@@ -230,7 +231,7 @@ def finding(
     ends = None if parts is None else ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
     stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)
-    stage = replace(stage, unlike=unlike, ratio=ends)
+    stage = replace(stage, unlike=unlike, ratio=ends, divided=divided)
     return MotionFinding(stage, found, swaps, before, after)
 
 
@@ -322,14 +323,19 @@ def undetected_of(t: Weak, noise_level_m: float) -> Named:
     return Named(t.fitted, {}, t.strength_m / noise_level_m)
 
 
-def _left_over(found: Selection, parts: Differing | None, mend: bool) -> tuple[str, ...]:
-    """What neither the effects named nor one too weak to be named, nor parts that differ, account for; mend: steps
-    across gaps are known."""
+def _left_over(found: Selection, parts: Differing | None, mend: bool) -> tuple[tuple[str, ...], Divided | None]:
+    """What neither the effects named nor one too weak to be named, nor parts that differ, account for; and how trials
+    are divided by it, if they are. mend: steps across gaps are known."""
     motion, predictions = found.motion, _predicted(found, parts)
     eps = found.settled.model.medium.anisotropy_ratio
-    words, floors = (
-        pattern(motion, predictions, path_error(motion, predictions, mend)),
-        as_floors_do(motion, predictions, eps),
-    )
-    floors = floors or more_than_before(motion, predictions, found.null.model)
-    return (*words, *(floors or (one_in_each(motion, predictions, eps) if words else ())))
+    words = pattern(motion, predictions, path_error(motion, predictions, mend))
+    divided, differ = one_cause_in_some(motion, found.settled), more_than_before(motion, predictions, found.null.model)
+    if divided is None or (divided.changed and differ is not None and differ.changed):
+        perhaps = divided is not None and divided.perhaps
+        divided = differ and replace(differ, perhaps=perhaps)  # which of two sides is as it was before is known
+    floors = () if divided is not None else as_floors_do(motion, predictions, eps)
+    if divided is None and words and not floors:
+        divided = after_some(motion, found.null.model)
+    if divided is not None:
+        return (*words, divided.words), divided
+    return (*words, *(floors or (one_in_each(motion, predictions, eps) if words else ()))), None

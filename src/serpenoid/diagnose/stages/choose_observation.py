@@ -14,7 +14,7 @@ from serpenoid.diagnose.data.clocks import pooled
 from serpenoid.diagnose.data.columns import columns_of
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
+from serpenoid.diagnose.inference.finding import VISIBLE, Divided, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained, outweighed
 from serpenoid.diagnose.stages.looked import Key, Looked, effect_of, gained_beyond
@@ -66,13 +66,14 @@ def choose_observation(
     named, torn = _torn([n for n in every if n.strength >= VISIBLE])
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
-    left, words, squares, new = _left_over(best, before)
+    left, words, squares, new, divided = _left_over(best, before)
     mend = other if any(n.stand_in for n in named) else None
     words += () if mend is None else (mend.words,)
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
     words = (*words, *beyond.values(), *unknown, *(RIDES.format(vertex=k) for k in torn), *refused)
     first = "" if mend is None else mend.remedy
-    return Stage("observation", named, rivals, undetected, left, words, squares=squares, news=new, mend=first), best.now
+    said = Stage("observation", named, rivals, undetected, left, words, squares=squares, news=new, mend=first)
+    return replace(said, divided=divided), best.now
 
 
 def _torn(named: Sequence[Named]) -> tuple[tuple[Named, ...], list[int]]:
@@ -130,9 +131,10 @@ def _joint(key: Key) -> int | None:
 
 def _left_over(
     best: Looked, before: tuple[float, ...]
-) -> tuple[float, tuple[str, ...], tuple[float, ...], tuple[float, ...]]:
+) -> tuple[float, tuple[str, ...], tuple[float, ...], tuple[float, ...], Divided | None]:
     """Of the worst channel, its noise included, what is more than chance makes; that in words, where visible beside
-    what was left before; mean squares of all channels and of all together; and `Stage.news`."""
+    what was left before; mean squares of all channels and of all together; `Stage.news`; and trials in which the
+    channel is another."""
     squares, all_squares = structure(best.data, best.now), best.priced.spread**2
     known = np.array(before) if len(before) == len(squares) + 1 else np.zeros(len(squares) + 1)
     known = np.maximum(known, 1.0)  # the noise itself, which a little of structure is in
@@ -142,29 +144,42 @@ def _left_over(
     joints = best.data.body.joint_count
     what = f"joint {worst + 1} bent" if worst < joints else f"the edge from vertex {worst - joints} as long"
     words: tuple[str, ...] = ()
+    divided = None
     if news[worst] > 1 + VISIBLE**2:
         words = (f"markers do not show {what} as it should be: {size:.1f} times the noise",)
     if words and worst < joints:
-        words += _from_trial_to_trial(best, worst)
+        divided = _from_trial_to_trial(best, worst)
+        words += () if divided is None else (divided.words,)
     if not words and all_squares > known[-1] * (1 + VISIBLE**2):  # nothing that lasts from frame to frame
         words = (f"markers are off by {np.sqrt(all_squares):.1f} times the noise of most frames, now here, now there: "
                  "look for reflections and mistaken matches in single frames, or joints that jump between two readings "
                  "of the log",)  # fmt: skip
     share = np.where(news > 1 + VISIBLE**2, np.sqrt(1 - 1 / np.maximum(news, 1.0)), 0.0)
-    return float(np.hypot(1.0, size)), words, (*squares.tolist(), all_squares), tuple(share.tolist())
+    return float(np.hypot(1.0, size)), words, (*squares.tolist(), all_squares), tuple(share.tolist()), divided
 
 
-def _from_trial_to_trial(best: Looked, joint: int) -> tuple[str, ...]:
-    """Where a joint is bent by one angle in some trials and by another in others: when it changed most."""
+def _from_trial_to_trial(best: Looked, joint: int) -> Divided | None:
+    """Where a joint is bent by one angle in some trials and by another in others: when it changed most. Trials before
+    and since are two sides if, on each, angles are about one."""
     angles, about = by_trial(best.data, best.now, joint)
     known = np.flatnonzero(np.isfinite(angles))
     if len(known) < 2 or about > LAW_ERROR**2:
-        return ()
+        return None
     changes = np.diff(angles[known])
     at = int(np.abs(changes).argmax())
-    return (f"joint {joint + 1} is bent by another angle from trial to trial, by {changes[at]:+.3g} rad at "
-            f"`{best.data.names[known[at + 1]]}`: "
-            "its horn, or a marker beside it, may have slipped",)  # fmt: skip
+    sides = known[: at + 1], known[at + 1 :]
+    words = (
+        f"joint {joint + 1} is bent by another angle from trial to trial, by {changes[at]:+.3g} rad at "
+        f"`{best.data.names[sides[1][0]]}`: its horn, or a marker beside it, may have slipped"
+    )
+    means = [angles[side].mean() for side in sides]
+    if any(
+        np.abs(angles[side] - m).max() > LAW_ERROR * abs(means[1] - means[0])
+        for side, m in zip(sides, means, strict=True)
+    ):
+        return Divided(words)
+    others, changed = (tuple(best.data.names[i] for i in side) for side in sides)
+    return Divided(words, changed, others)
 
 
 def _next(best: Looked) -> Looked | None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.inference.finding import VISIBLE
+from serpenoid.diagnose.inference.finding import VISIBLE, Divided
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.measure.cells import listed
@@ -20,9 +20,9 @@ MOSTLY = 0.5  # of what is left: less is no matter of how far a joint goes
 TINY = 1e-12  # rad^2: of joints that are told nothing
 
 
-def trials_astray(data: Plays, played: Floats, joint: int) -> tuple[str, ...]:
-    """What is said of the trials in which a joint (0 .. m - 1) does not do what is played (R, m), if it does in others,
-    or does by less and less."""
+def trials_astray(data: Plays, played: Floats, joint: int) -> Divided | None:
+    """The trials in which a joint (0 .. m - 1) does not do what is played (R, m), if it does in others, or does by less
+    and less."""
     left = data.left(played)
     trials = [data.trials == t for t in range(len(data.recordings))]
     squares = np.array([data.structure_of(left, mine) for mine in trials])
@@ -31,21 +31,28 @@ def trials_astray(data: Plays, played: Floats, joint: int) -> tuple[str, ...]:
     if mine.all():
         return _trend(data, played, left, joint)
     if not mine.any():
-        return ()
+        return None
     clear = squares[~mine].max(axis=0) <= LAW_ERROR**2 * squares[mine].min(axis=0)
     if not clear[joint]:
-        return ()
+        return None
+    names = [r.name for r in data.recordings]
+    changed, others = (tuple(n for n, is_off in zip(names, of, strict=True) if is_off) for of in (mine, ~mine))
+    return Divided(_said(data, played, left, mine, clear, astray), changed, others)
+
+
+def _said(data: Plays, played: Floats, left: Floats, mine: np.ndarray, clear: np.ndarray, astray: np.ndarray) -> str:
+    """Which joints stray, of those whose trials (T,) are clear, in which trials, and how."""
     alike = [j for j in np.flatnonzero(clear).tolist() if (astray[:, j] == mine).all()]
     who = f"joint{'s' if len(alike) > 1 else ''} {listed([str(j + 1) for j in alike])}"
     who = "all joints" if len(alike) == astray.shape[1] > 1 else who
     one = len(alike) == 1
     if mine.sum() > len(mine) / 2:
-        return (f"{who} {'follows its command' if one else 'follow their commands'} in {_named(data, ~mine)} alone",)
+        return f"{who} {'follows its command' if one else 'follow their commands'} in {_named(data, ~mine)} alone"
     if len(alike) == 2 and _exchanged(data, played, left, mine[data.trials], alike):
-        return (f"{who} do what the other is told in {_named(data, mine)} alone: wires or numbers exchanged?",)
+        return f"{who} do what the other is told in {_named(data, mine)} alone: wires or numbers exchanged?"
     gains, shares = (x[alike] for x in _gains(played, left, mine[data.trials]))
     far = f", {gains.mean():.2f} times as far as told" if shares.mean() > MOSTLY else ""
-    return (f"{who} {'strays' if one else 'stray'} in {_named(data, mine)} alone{far}",)
+    return f"{who} {'strays' if one else 'stray'} in {_named(data, mine)} alone{far}"
 
 
 def _exchanged(data: Plays, played: Floats, left: Floats, rows: np.ndarray, two: list[int]) -> bool:
@@ -55,20 +62,22 @@ def _exchanged(data: Plays, played: Floats, left: Floats, rows: np.ndarray, two:
     return bool((other**2).sum() < LAW_ERROR**2 * (missed**2).sum())
 
 
-def _trend(data: Plays, played: Floats, left: Floats, joint: int) -> tuple[str, ...]:
+def _trend(data: Plays, played: Floats, left: Floats, joint: int) -> Divided | None:
     """Where a straight line over the trials' order is nearly all that its gains differ by."""
     gains = np.array([_gains(played, left, data.trials == t)[0][joint] for t in range(len(data.recordings))])
     order = np.arange(len(gains)) - (len(gains) - 1) / 2
     if len(gains) < 4:  # three points lie nearly on a line by chance
-        return ()
+        return None
     about = gains - gains.mean()
     slope = float(order @ about / (order @ order))
     if ((about - slope * order) ** 2).sum() > LAW_ERROR**2 * (about**2).sum():
-        return ()
+        return None
     first, last = data.recordings[0].name, data.recordings[-1].name
     more = "more" if slope > 0 else "less"
-    return (f"joint {joint + 1} moves {more} from trial to trial: {gains[0]:.2f} times as far as told in `{first}`, "
-            f"{gains[-1]:.2f} times in `{last}`",)  # fmt: skip
+    return Divided(
+        f"joint {joint + 1} moves {more} from trial to trial: {gains[0]:.2f} times as far as told in `{first}`, "
+        f"{gains[-1]:.2f} times in `{last}`"
+    )
 
 
 def _gains(played: Floats, left: Floats, rows: np.ndarray) -> tuple[Floats, Floats]:

@@ -1,0 +1,72 @@
+"""What changed amid a campaign: trials in which something acts, diagnosed beside those in which it does not.
+
+Which trials these are a stage of the diagnosis of all has told (`Stage.divided`). Beside an earlier campaign that is
+the reference; without one, the other trials are, if some gait was played on both sides: else it may be the gaits that
+differ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.tracks import NoPath
+from serpenoid.diagnose.diagnose import Diagnosis, diagnose
+from serpenoid.diagnose.inference.finding import Divided
+from serpenoid.diagnose.reference import reference_of
+from serpenoid.diagnose.stages.baseline import Baseline
+
+
+@dataclass(frozen=True)
+class ChangedTrials:
+    """divided: how trials are; found: of those in which something acts; before: of the others, if they are what these
+    are held against."""
+
+    divided: Divided
+    found: Diagnosis
+    before: Diagnosis | None
+
+
+def changed_trials(
+    recordings: Sequence[Recording], known: Baseline, whole: Diagnosis, say: Callable[[str], None]
+) -> ChangedTrials | None:
+    """What changed, where the diagnosis of all (`whole`) tells that trials are divided; None where it does not, where
+    one of the two has no path, and where trials that are perhaps divided are not explained alone. known: what all were
+    held against."""
+    if whole.divided is None:
+        return None
+    changed, others = sides(recordings, whole.divided)
+    played = [{r.setting for r in side} for side in (changed, others)]
+    if known.ratio is None and not played[0] & played[1]:
+        return None
+    divided = replace(whole.divided, changed=tuple(r.name for r in changed), others=tuple(r.name for r in others))
+    try:
+        before = None
+        if known.ratio is None:
+            before = diagnose(others, known, say)
+            known = reference_of(before)
+        found = diagnose(changed, known, say)
+    except NoPath:
+        return None
+    return None if divided.perhaps and found.verdict != "explained" else ChangedTrials(divided, found, before)
+
+
+def sides(recordings: Sequence[Recording], divided: Divided) -> tuple[list[Recording], list[Recording]]:
+    """Recordings in which it acts, and others. One of which nothing is told, as its servos did as those of another
+    repeat, is on the side of its setting; on neither if its setting is on both."""
+    told = dict.fromkeys(divided.changed, True) | dict.fromkeys(divided.others, False)
+    by_setting: dict[tuple[str, float], set[bool]] = {}
+    for r in recordings:
+        if r.name in told:
+            by_setting.setdefault(r.setting, set()).add(told[r.name])
+    side = {r.name: {told[r.name]} if r.name in told else by_setting.get(r.setting, set()) for r in recordings}
+    changed, others = ([r for r in recordings if side[r.name] == {acts}] for acts in (True, False))
+    return changed, others
+
+
+def with_changed_trials(
+    recordings: Sequence[Recording], known: Baseline, whole: Diagnosis, say: Callable[[str], None]
+) -> Diagnosis:
+    """The diagnosis of all, and what changed amid it."""
+    return replace(whole, changed=changed_trials(recordings, known, whole, say))

@@ -1,0 +1,227 @@
+"""Whether something changed amid a campaign: one cause, which acts from some trial on, or in a run of trials, alone.
+
+Differences of repeats are what chance is told by, so what acts in one of the two hides in it. It shows by its moment:
+of a pair of repeats, in units of chance,
+
+    r_b - r_a = (s_b - s_a) J theta + e,    J = d(displacement) / d(theta),    s: 1 where it acts, else 0
+
+with one theta for all pairs. Every cause is tried at every moment. That which takes away most of what repeats differ by
+is held against what pairs make of it one by one (Fisher's F): chance that lasts a whole trial is one number of each
+pair, so pairs are weighed as in a model of random effects (DerSimonian and Laird, Controlled Clinical Trials 7, 177,
+1986), by how far their numbers scatter beside what windows tell of each. The error is stated for all moments together.
+Trials are taken to be listed in the order in which they were played. A cause that began takes one moment;
+what takes its place must leave less than LAW_ERROR of what that leaves: one that went again, or that grows evenly from
+trial to trial (s: how many were before it). Repeats that were all played as many trials later do not tell growth from a
+beginning.
+
+Legend: T trials, P pairs, K windows that were played twice, S ways to divide trials, C numbers of a cause.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import fdtrc
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import LEFT
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import residuals
+from serpenoid.diagnose.data.repeats import pairs, repeats
+from serpenoid.diagnose.data.windows import columns_of, predictions
+from serpenoid.diagnose.inference.finding import Divided, alone
+from serpenoid.diagnose.inference.law_error import LAW_ERROR
+from serpenoid.diagnose.inference.medium import Fit, candidates_of
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.simulation.sensitivity import EPS, Column
+
+MOST = 0.5  # of the squares that repeats differ by: then it is what they differ by
+FEW = 3  # pairs: two lie on a line with any third number
+
+
+@dataclass(frozen=True)
+class Differ:
+    """What repeats differ by, in units of chance: squares of each pair (P,), of so many numbers (P,)."""
+
+    squares: Floats
+    count: Floats
+
+    @property
+    def total(self) -> float:
+        """Of all pairs."""
+        return float(self.squares.sum())
+
+
+@dataclass(frozen=True)
+class Cause:
+    """What each pair (P,) says of one: information (P, C, C) and score (P, C), the other trial minus the one; sign: of
+    its number, where its bounds allow one alone, else 0."""
+
+    called: str
+    sign: int
+    information: Floats
+    score: Floats
+
+    def gains(self, signs: Floats) -> Floats:
+        """What it takes away of squares (S,), where it acts by signs (S, P)."""
+        score = signs @ self.score
+        return np.asarray(np.einsum("si,sij,sj->s", score, self._inverse(signs), score))
+
+    def _inverse(self, signs: Floats) -> Floats:
+        inverse = np.linalg.pinv(np.tensordot(signs**2, self.information, 1), rcond=1e-9, hermitian=True)
+        return np.asarray(inverse, dtype=float)
+
+    def value(self, signs: Floats) -> Floats:
+        """Its numbers (C,), where it acts by signs (P,)."""
+        return np.asarray(self._inverse(signs[None])[0] @ (signs @ self.score))
+
+    def chance(self, signs: Floats, differ: Differ) -> float:
+        """How likely pairs agree so well on how large it is by chance."""
+        value = self.value(signs)
+        known = np.einsum("i,pij,j->p", value, self.information, value)
+        told = known > 1e-9 * known.max(initial=0.0)
+        signs, known, score = signs[told], known[told], (self.score @ value)[told]
+        freedom = len(known) - len(value)
+        if freedom < 1 or not (signs**2 * known).sum() > 0:
+            return 1.0
+        own = score / known  # how large each pair would have it, of what all have
+        noise = float((differ.squares[told] - score * own).sum() / np.maximum(differ.count[told] - 1, 1).sum())
+        spread = _spread(own - signs, known, noise, freedom)
+        weight = 1 / (spread + noise / known)
+        mean = float((weight * signs * own).sum() / (weight * signs**2).sum())
+        explained = mean**2 * float((weight * signs**2).sum())
+        left = float((weight * (own - signs * mean) ** 2).sum())
+        return float(fdtrc(len(value), freedom, explained / len(value) / (max(left, 1e-12) / freedom)))
+
+
+def _spread(left: Floats, known: Floats, noise: float, freedom: int) -> float:
+    """Variance between pairs of what is left of their numbers (P,), beyond that which windows tell of each."""
+    beyond = float((known * left**2).sum()) - freedom * noise
+    return max(0.0, beyond / max(float(known.sum() - (known**2).sum() / known.sum()), 1e-300))
+
+
+@dataclass(frozen=True)
+class _Found:
+    """The best cause at the best moment of several: squares that it leaves, how likely chance takes away as much, and
+    trials (T,) in which it acts for sure, and in which it does not."""
+
+    left: float
+    called: str
+    chance: float
+    acts: np.ndarray
+    rests: np.ndarray
+
+
+def one_cause_in_some(motion: Motion, found: Fit) -> Divided | None:
+    """By what repeats differ by, if it is one cause with its moment; None where it is not, or nothing tells."""
+    played = pairs(motion.tracks)
+    if len(played) < FEW or any(t.noise is not None for t in motion.tracks):
+        return None
+    differ, causes = _causes(motion, found)
+    return divided(differ, causes, played, [t.recording.name for t in motion.tracks])
+
+
+def divided(
+    differ: Differ, causes: Sequence[Cause], played: Sequence[tuple[int, int]], names: Sequence[str]
+) -> Divided | None:
+    """Trials, by name, of which pairs differ so, as causes tell; None where none has its moment."""
+    squares = differ.total
+    if squares <= 0:
+        return None
+    count = len(names)
+    runs = ([np.arange(count)], list(_begun(count)), list(_gone(count)))
+    grew, began, went = (_best(causes, differ, played, of) for of in runs)
+    best = began if _told(began, squares) else None
+    for other in (grew, went):
+        if _told(other, squares) and (best is None or other.left < LAW_ERROR**2 * best.left):
+            best = other
+    if best is None:
+        return None
+    share = f"{1 - best.left / squares:.0%} of what repeats differ by is one cause (to first order {best.called})"
+    if best is grew:
+        return Divided(f"something changes all through the campaign: {share} that grows from trial to trial")
+    changed, others = (tuple(n for n, x in zip(names, of, strict=True) if x) for of in (best.acts, best.rests))
+    perhaps = _told(grew, squares) and grew.left < best.left / LAW_ERROR**2
+    instead = ", or grows from trial to trial" if perhaps else ""
+    where = f"acts in {alone(changed, others)}{instead}"
+    return Divided(f"something changed amid the campaign: {share} that {where}", changed, others, perhaps)
+
+
+def _told(found: _Found, squares: float) -> bool:
+    """Whether it is what repeats differ by, and no chance."""
+    return found.chance <= LEFT and found.left < (1 - MOST) * squares
+
+
+def _causes(motion: Motion, found: Fit) -> tuple[Differ, list[Cause]]:
+    """What repeats differ by, and what they say of every cause that the motion shows."""
+    candidates = candidates_of(found)
+    tried = [(e, 0) for e in found.effects] + [(e, _sign(e)) for e in candidates]
+    named = ["the anisotropy ratio", *(f"`{e.called}`" for e, _ in tried)]
+    signs = [0, *(sign for _, sign in tried)]
+    columns: list[tuple[Column, ...]] = [(EPS,), *(columns_of([e]) for e, _ in tried)]
+    every = [c for of in columns for c in of]
+    predicted = predictions(found.model, motion.tracks, candidates, found.predictions)
+    left, by = residuals(motion.tracks, predicted), [p.by(every) for p in predicted]
+    sd = motion.noise.playing
+    squares, count, information, score = [], [], [], []
+    for repeat in repeats(motion.tracks):
+        one, other = repeat.both(left)
+        here, there = repeat.both(by)
+        d, slopes = (other - one) / sd, (here + there) / 2 / sd[:, None]
+        known = np.isfinite(d).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2))
+        known &= motion.tracks[repeat.one].playing[repeat.here]
+        rows, flat = d[known].ravel(), slopes[known].reshape(-1, len(every))
+        squares.append(float(rows @ rows))
+        count.append(float(len(rows)))
+        information.append(flat.T @ flat)
+        score.append(flat.T @ rows)
+    ends = np.cumsum([0, *(len(of) for of in columns)]).tolist()
+    whole, scores = np.array(information), np.array(score)
+    parts = [slice(a, b) for a, b in zip(ends, ends[1:], strict=False)]
+    return Differ(np.array(squares), np.array(count)), [
+        Cause(name, sign, whole[:, p, p], scores[:, p]) for name, sign, p in zip(named, signs, parts, strict=True)
+    ]
+
+
+def _sign(candidate: ActiveEffect) -> int:
+    """Of what its one number does from where it changes nothing, if bounds allow one alone."""
+    if len(candidate.effect.parameters) != 1 or not candidate.is_neutral:
+        return 0
+    p = candidate.effect.parameters[0]
+    low, high = sorted((p.coordinate(p.lower), p.coordinate(p.upper)))
+    return int(p.resting <= low) - int(p.resting >= high)
+
+
+def _begun(count: int) -> Iterator[np.ndarray]:
+    """Trials (T,) in which a cause acts that began with one of them."""
+    for first in range(1, count):
+        yield np.arange(count) >= first
+
+
+def _gone(count: int) -> Iterator[np.ndarray]:
+    """The same of one that went again before the last."""
+    for first in range(1, count - 1):
+        for last in range(first + 1, count):
+            yield (np.arange(count) >= first) & (np.arange(count) < last)
+
+
+def _best(
+    causes: Sequence[Cause], differ: Differ, pairs: Sequence[tuple[int, int]], runs: Sequence[np.ndarray]
+) -> _Found:
+    """Of all causes at all moments. Moments that divide no pair otherwise are one; trials in which these do not agree
+    belong to neither side."""
+    alike: dict[tuple[int, ...], list[np.ndarray]] = {}
+    for run in runs:
+        alike.setdefault(tuple(int(run[b]) - int(run[a]) for a, b in pairs), []).append(run)
+    signs = np.array(list(alike), dtype=float)
+    gains = np.array([c.gains(signs) for c in causes])
+    at, moment = (int(i) for i in np.unravel_index(int(gains.argmax()), gains.shape))
+    cause, gained = causes[at], float(gains[at, moment])
+    chance = cause.chance(signs[moment], differ) * len(alike)
+    same = np.array(list(alike.values())[moment])
+    acts, rests = np.asarray(same.all(axis=0)), np.asarray(~same.any(axis=0))
+    if cause.sign * float((signs[moment] @ cause.score)[0]) < 0:  # it was there, and is no more
+        acts, rests = rests, acts
+    return _Found(max(differ.total - gained, 0.0), cause.called, chance, acts, rests)

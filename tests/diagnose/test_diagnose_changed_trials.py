@@ -1,0 +1,165 @@
+"""What acts in some trials of a campaign alone: found by what repeats differ by, and named by those trials."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from blind.campaign import COMBINATIONS, Campaign, make
+from blind.catalogue import Effect
+from blind.folder import write
+from serpenoid.cli.main import main
+from serpenoid.diagnose.changed_trials import sides
+from serpenoid.diagnose.inference.finding import Divided
+from serpenoid.diagnose.residuals.in_some_trials import Cause, Differ, divided
+
+GAITS, ROUNDS = 6, 2
+NAMES = [f"g{g}r{r}" for r in range(ROUNDS) for g in range(GAITS)]
+PAIRS = [(g, g + GAITS) for g in range(GAITS)]
+WORN = Effect("worn_wheel", 6, {"seizure": 0.6})
+
+
+def told(
+    theta: Sequence[float] | np.ndarray,
+    rng: np.random.Generator,
+    pairs: Sequence[tuple[int, int]] = PAIRS,
+    sign: int = 0,
+) -> Divided | None:
+    """Of trials in which the first of three causes acts by so much, with chance in 40 windows of every pair."""
+    slopes = rng.normal(size=(len(pairs), 40, 3)) * rng.uniform(0.5, 2, (len(pairs), 1, 1))
+    differences = [slopes[p, :, 0] * (theta[b] - theta[a]) + rng.normal(size=40) for p, (a, b) in enumerate(pairs)]
+    causes = [
+        Cause(
+            name, sign, np.array([s[:, [i]].T @ s[:, [i]] for s in slopes]),
+            np.array([s[:, [i]].T @ d for s, d in zip(slopes, differences, strict=True)]),
+        )
+        for i, name in enumerate(["`one`", "`two`", "`three`"])
+    ]  # fmt: skip
+    differ = Differ(np.array([(d**2).sum() for d in differences]), np.full(len(pairs), 40.0))
+    return divided(differ, causes, pairs, [f"t{i}" for i in range(len(theta))])
+
+
+def test_what_began_amid_the_campaign_is_told_with_its_trials() -> None:
+    """Gaits 4 to 6 were played twice after it began, gaits 1 to 3 once."""
+    theta = np.r_[np.zeros(3), np.full(9, 8.0)]
+    found = told(theta, np.random.default_rng(1))
+    assert found is not None
+    assert not found.perhaps
+    assert found.others == ("t0", "t1", "t2")
+    assert found.changed == tuple(f"t{i}" for i in range(3, 12))
+    assert "(to first order `one`) that acts in all but `t0`, `t1` and `t2`" in found.words
+
+
+def test_between_two_rounds_growth_looks_like_a_beginning() -> None:
+    found = told(np.r_[np.zeros(6), np.full(6, 8.0)], np.random.default_rng(2))
+    assert found is not None
+    assert found.perhaps
+    assert found.changed == tuple(f"t{i}" for i in range(6, 12))
+    assert found.words.endswith("or grows from trial to trial")
+
+
+def test_what_grows_from_trial_to_trial_is_told_where_pairs_are_unlike() -> None:
+    pairs = [(0, 1), (2, 6), (3, 11), (4, 5), (7, 10), (8, 9)]
+    found = told(np.linspace(0, 20, 12), np.random.default_rng(3), pairs)
+    assert found is not None
+    assert not found.changed
+    assert "grows from trial to trial" in found.words
+
+
+def test_what_goes_again_acts_between_two_moments() -> None:
+    pairs = [(0, 3), (1, 6), (2, 9), (4, 7), (5, 10), (8, 11), (3, 5), (6, 8)]
+    theta = np.where((np.arange(12) >= 4) & (np.arange(12) < 8), 8.0, 0.0)
+    found = told(theta, np.random.default_rng(4), pairs)
+    assert found is not None
+    assert found.changed == ("t5", "t6")  # t4 and t7 are a pair: nothing tells on which side they are
+    assert found.others == tuple(f"t{i}" for i in (0, 1, 2, 3, 8, 9, 10, 11))
+
+
+def test_what_was_there_and_is_mended_acts_in_the_first_trials() -> None:
+    """A wheel cannot be less than healthy: what repeats show is that of the trials before."""
+    theta = np.r_[np.full(6, 8.0), np.zeros(6)]
+    free, bound = (told(theta, np.random.default_rng(5), sign=sign) for sign in (0, 1))
+    assert free is not None
+    assert bound is not None
+    assert free.changed == bound.others == tuple(f"t{i}" for i in range(6, 12))
+    assert free.others == bound.changed == tuple(f"t{i}" for i in range(6))
+
+
+def test_a_cause_of_another_size_in_each_trial_has_no_moment() -> None:
+    """Weather: in each trial another floor. False alarms are no more than the stated one in a hundred, beginnings,
+    growth and what goes again together three."""
+    rng = np.random.default_rng(6)
+    alarms = sum(told(rng.normal(0, 8, 12), rng) is not None for _ in range(400))
+    assert alarms <= 20  # 12 expected; more in one run of a hundred
+
+
+def test_chance_alone_has_none() -> None:
+    rng = np.random.default_rng(7)
+    assert sum(told(np.zeros(12), rng) is not None for _ in range(200)) == 0
+
+
+def test_a_repeat_of_which_nothing_is_told_is_on_the_side_of_its_setting() -> None:
+    trials: list[Any] = [SimpleNamespace(name=f"{g}{r}", setting=(g, 1.0)) for g in "abc" for r in (1, 2, 3)]
+    changed, others = sides(trials, Divided("", changed=("a1", "b2"), others=("b1", "c3")))
+    assert [r.name for r in changed] == ["a1", "a2", "a3", "b2"]
+    assert [r.name for r in others] == ["b1", "c1", "c2", "c3"]  # b3 may be either
+
+
+def diagnosed(campaign: Path, out: Path, *options: str) -> dict[str, Any]:
+    assert main(["diagnose", str(campaign), "--out", str(out), "--no-figures", "--quiet", *options]) == 0
+    said: dict[str, Any] = json.loads((out / "diagnosis.json").read_text())
+    return said
+
+
+def changed_in_the_last_round(hidden: Effect, combinations: int) -> Campaign:
+    """Round by round; the effect acts in the last one alone."""
+    few = COMBINATIONS[:combinations]
+    healthy, changed = (make(63, effects, "now", few, chance=(1,)) for effects in ([], [hidden]))
+    names = [t.name for t in healthy.trials]
+    last = {max(n for n in names if n.rpartition("-")[0] == of) for of in {n.rpartition("-")[0] for n in names}}
+    pairs = zip(healthy.trials, changed.trials, strict=True)
+    trials = [new if new.name in last else old for old, new in pairs]
+    ordered = tuple(sorted(trials, key=lambda t: t.name.rpartition("-")[2]))
+    return Campaign(healthy.identity, healthy.seed, healthy.protocol, (), healthy.world, ordered)
+
+
+@pytest.mark.parametrize("beside", ["the others", "the reference"])
+def test_a_wheel_that_seizes_amid_the_campaign_is_named(tmp_path: Path, beside: str) -> None:
+    """What it does is many times what repeats differ by else, so it is no chance; the trials in which it is seized are
+    told, and by themselves name it, its place and its size."""
+    gaits = 2 if beside == "the reference" else 4
+    write(changed_in_the_last_round(WORN, gaits), tmp_path / "now")
+    options: list[str] = []
+    if beside == "the reference":
+        write(make(63, [], "then", COMBINATIONS[:gaits]), tmp_path / "then")
+        options = ["--reference", str(tmp_path / "then")]
+    said = diagnosed(tmp_path / "now", tmp_path / "out", *options)
+    assert said["verdict"] == "unexplained"
+    changed = said["changed_trials"]
+    last = sorted(changed["trials"])
+    assert {name.rpartition("-")[2] for name in last} == {max(n.rpartition("-")[2] for n in last)}
+    assert not {n.rpartition("-")[2] for n in last} & {n.rpartition("-")[2] for n in changed["others"]}
+    answer = changed["diagnosis"]
+    assert answer["verdict"] == "explained"
+    (found,) = answer["effects"]
+    assert (found["name"], found["place"], found["stand_in"]) == ("worn_wheel", 6, False)
+    low, high = found["parameters"]["seizure"]["interval"]
+    assert low < WORN.parameters["seizure"] < high
+    own = json.loads((tmp_path / "out" / changed["folder"] / "diagnosis.json").read_text())
+    assert own["effects"] == answer["effects"]
+
+
+def test_the_screen_says_which_trials_and_what_of_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write(changed_in_the_last_round(Effect("zero_offset", 4, {"offset": 0.1}), 2), tmp_path / "now")
+    assert main(["diagnose", str(tmp_path / "now"), "--out", str(tmp_path / "out"), "--no-figures"]) == 0
+    screen = capsys.readouterr().out
+    said = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
+    assert said["changed_trials"] is not None
+    assert "something acts in some of the trials alone" in screen
+    assert "zero_offset at joint 4" in screen.partition("Changed trials: ")[2].partition("Details")[0]
