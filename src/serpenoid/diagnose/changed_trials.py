@@ -1,8 +1,8 @@
 """What changed amid a campaign: trials in which something acts, diagnosed beside those in which it does not.
 
 Which trials these are a stage of the diagnosis of all has told (`Stage.divided`). Beside an earlier campaign that is
-the reference; without one, the other trials are, if some gait was played on both sides: else it may be the gaits that
-differ.
+the reference; without one, the side of the trials that needs fewer causes is, if some gait was played on both sides:
+else it may be the gaits that differ.
 """
 
 from __future__ import annotations
@@ -40,16 +40,27 @@ def changed_trials(
     played = [{r.setting for r in side} for side in (changed, others)]
     if known.ratio is None and not played[0] & played[1]:
         return None
-    divided = replace(whole.divided, changed=tuple(r.name for r in changed), others=tuple(r.name for r in others))
     try:
         before = None
         if known.ratio is None:
-            before = diagnose(others, known, say)
+            before, changed, others = _as_it_was(changed, others, known, say)
             known = reference_of(before)
         found = diagnose(changed, known, say)
     except NoPath:
         return None
+    divided = replace(whole.divided, changed=tuple(r.name for r in changed), others=tuple(r.name for r in others))
     return None if divided.perhaps and found.verdict != "explained" else ChangedTrials(divided, found, before)
+
+
+def _as_it_was(
+    changed: list[Recording], others: list[Recording], known: Baseline, say: Callable[[str], None]
+) -> tuple[Diagnosis, list[Recording], list[Recording]]:
+    """The diagnosis of the side in which nothing acts, the other side, and itself. Which that is a first guess may have
+    wrong: what acts in `others` is there, and nothing in the ones that changed."""
+    before = diagnose(others, known, say)
+    if before.named and not (after := diagnose(changed, known, say)).named:
+        return after, others, changed
+    return before, changed, others
 
 
 def sides(recordings: Sequence[Recording], divided: Divided) -> tuple[list[Recording], list[Recording]]:

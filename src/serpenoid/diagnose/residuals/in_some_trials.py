@@ -131,12 +131,17 @@ def divided(
     if squares <= 0:
         return None
     count = len(names)
-    runs = ([np.arange(count)], list(_begun(count)), list(_gone(count)))
-    grew, began, went = (_best(causes, differ, played, of) for of in runs)
+    later = np.zeros(count)
+    for one, again in played:  # in order: one more than the repeat before it
+        later[again] = later[one] + 1
+    runs = ([np.arange(count)], list(_begun(count)), list(_gone(count)), [later])
+    grew, began, went, each = (_best(causes, differ, played, of) for of in runs)
     best = began if _told(began, squares) else None
     for other in (grew, went):
         if _told(other, squares) and (best is None or other.left < LAW_ERROR**2 * best.left):
             best = other
+    if best is grew and grew.left > LAW_ERROR**2 * each.left:
+        best = None  # every repeat differs by as much from the one before it
     if best is None:
         return None
     share = f"{1 - best.left / squares:.0%} of what repeats differ by is one cause (to first order {best.called})"

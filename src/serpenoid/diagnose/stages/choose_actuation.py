@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.clocks import pooled
-from serpenoid.diagnose.inference.finding import VISIBLE, Named, Rival, Stage, excludable, interval
+from serpenoid.diagnose.inference.finding import VISIBLE, Divided, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained
 from serpenoid.diagnose.stages.actuation import (
@@ -81,16 +81,25 @@ def choose_actuation(data: Plays) -> Stage:
     best, refused = lawful(best, lambda found: list(found.effects), _law_error, _without)
     squares = data.structure(best.angles)
     worst, left = int(squares.argmax()), float(np.sqrt(1 + squares.max()))
-    words: tuple[str, ...] = ()
-    divided = None
-    if squares[worst] > VISIBLE**2:
-        divided = trials_astray(data, best.angles, worst)
-        words = (_unlike(best, worst, left), *([] if divided is None else [divided.words]), *refused)
     every = [_named(best, e) for e in best.effects]
+    misses = squares[worst] > VISIBLE**2
+    divided = _divided(best, bare, worst) if misses or any(n.stand_in for n in every) else None
+    words: tuple[str, ...] = (_unlike(best, worst, left),) if misses else ()
+    words += () if divided is None else (divided.words,)
+    words += refused if misses else ()
     named = tuple(n for n in every if n.strength >= VISIBLE and not n.may_change_nothing)
     undetected = tuple(n for n in every if n not in named)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
     return Stage("actuation", named, rivals, undetected, left, words, divided=divided)
+
+
+def _divided(best: Played, bare: Played, joint: int) -> Divided | None:
+    """Trials in which a joint (0 .. m - 1) strays from what is found of it; else from its command: a law that acts in
+    some trials alone is spread over all of them."""
+    found, told = (trials_astray(best.data, of.angles, joint) for of in (best, bare))
+    if told is None or not told.changed or (found is not None and found.changed):
+        return found
+    return replace(told, perhaps=True)
 
 
 def _unlike(best: Played, joint: int, left: float) -> str:

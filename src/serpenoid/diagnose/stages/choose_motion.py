@@ -329,10 +329,8 @@ def _left_over(found: Selection, parts: Differing | None, mend: bool) -> tuple[t
     motion, predictions = found.motion, _predicted(found, parts)
     eps = found.settled.model.medium.anisotropy_ratio
     words = pattern(motion, predictions, path_error(motion, predictions, mend))
-    divided, differ = one_cause_in_some(motion, found.settled), more_than_before(motion, predictions, found.null.model)
-    if divided is None or (divided.changed and differ is not None and differ.changed):
-        perhaps = divided is not None and divided.perhaps
-        divided = differ and replace(differ, perhaps=perhaps)  # which of two sides is as it was before is known
+    cause, differ = one_cause_in_some(motion, found.settled), more_than_before(motion, predictions, found.null.model)
+    divided = differ if cause is None else cause.turned(differ)
     floors = () if divided is not None else as_floors_do(motion, predictions, eps)
     if divided is None and words and not floors:
         divided = after_some(motion, found.null.model)
