@@ -19,8 +19,8 @@ from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.stages.actuation import attempts, fit_everywhere, plays
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation
-from serpenoid.effects import find
+from serpenoid.diagnose.stages.choose_actuation import Played, _one_more, choose_actuation
+from serpenoid.effects import ActiveEffect, find
 from serpenoid.measure.logs import TICK
 
 SEED, SETTINGS = 71, 2
@@ -99,6 +99,22 @@ def test_servos_of_first_order_have_a_lag_and_no_damping(recordings: tuple[Recor
     by_name = {a.effect.name: a for a in attempts(data, []) if a.effect.place is None}
     gain = by_name["servo_lag"].chi2.sum() - by_name["servo_inertia"].chi2.sum()
     assert gain < np.log(data.often.sum())  # the price of one more number
+
+
+@pytest.mark.parametrize(("damping", "name"), [(np.inf, "servo_lag"), (0.6, "servo_inertia")])
+def test_a_fit_that_came_less_far_is_no_reason_for_one_more_number(
+    recordings: tuple[Recording, ...], damping: float, name: str
+) -> None:
+    """Both laws near where their fits begin; the one with two numbers is said to leave much less."""
+
+    def play(time: np.ndarray, told: np.ndarray) -> np.ndarray:
+        if np.isfinite(damping):
+            return swung(time, told, 0.1, damping)
+        return lagged(time, told, np.full(len(time) - 1, 0.1))
+
+    tries = [ActiveEffect.of("servo_lag", lag=0.03), ActiveEffect.of("servo_inertia", lag=0.05, damping=1.0)]
+    new, best = _one_more(Played(plays(logged(recordings, play))), tries, [1e9, 1e6], 1)
+    assert (new.name, [e.name for e in best.effects]) == (name, [name])
 
 
 def test_servos_that_do_as_they_are_told_have_neither(recordings: tuple[Recording, ...]) -> None:

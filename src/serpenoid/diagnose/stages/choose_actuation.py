@@ -74,8 +74,7 @@ def choose_actuation(data: Plays) -> Stage:
         found = cheapest(best.priced, one_more, len(tries))
         if found is None:
             break
-        new = tries[found].effect
-        best = Played(data, _refined(data, [*best.effects, new], new))
+        new, best = _one_more(best, [t.effect for t in tries], [p.chi2 for p in one_more], found)
         if _strength(data, new) < VISIBLE:
             break
     best = Played(data, _refined(data, best.effects))
@@ -92,6 +91,20 @@ def choose_actuation(data: Plays) -> Stage:
     undetected = tuple(n for n in every if n not in named)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
     return Stage("actuation", named, rivals, undetected, left, words)
+
+
+def _one_more(
+    best: Played, tries: Sequence[ActiveEffect], chi2: Sequence[float], found: int
+) -> tuple[ActiveEffect, Played]:
+    """The candidate that was found, and all with it, fitted again; or the best of those of fewer numbers, if that is
+    then cheaper: candidates are fitted roughly, and one that came less far is no reason for one more number."""
+    by_chi2 = sorted(range(len(tries)), key=lambda i: chi2[i], reverse=True)
+    kinds = {_numbers(tries[i]): i for i in by_chi2} | {_numbers(tries[found]): found}
+    chosen = [tries[i] for size, i in sorted(kinds.items()) if size <= _numbers(tries[found])]
+    grown = [Played(best.data, _refined(best.data, [*best.effects, new], new)) for new in chosen]
+    cheaper = cheapest(best.priced, [g.priced for g in grown], len(tries)) if len(grown) > 1 else None
+    index = len(grown) - 1 if cheaper is None else cheaper
+    return chosen[index], grown[index]
 
 
 def _unlike(best: Played, joint: int, left: float) -> str:
