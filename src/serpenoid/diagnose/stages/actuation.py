@@ -47,18 +47,26 @@ def plays(recordings: Sequence[Recording], held: bool | None = None) -> Plays:
     rows are, where that is known.
 
     Noise is the least that readings have about any of it: about a smooth course, those of servos that jump scatter
-    widely, and a way that is wrong is followed.
+    widely, and a way that is wrong is followed. Laws of several numbers are tried where those of fewer leave something.
     """
     every = list(ways(recordings, held))
-    laws = (None, *(k for k in shown(every[0]) if k.place is None))
+    laws = [k for k in shown(every[0]) if k.place is None]
     noise = np.min([data.noise for data in every], axis=0)
     every = [replace(data, noise=noise) for data in every]
-    played = in_processes([(_by_all, (data, kind)) for data in every for kind in laws])
-    found = [(data, played[n * len(laws) : (n + 1) * len(laws)]) for n, data in enumerate(every)]
+    found = _by_each(every, [None, *(k for k in laws if len(k.parameters) == 1)])
+    if not any(followed(data, p) for data, played in found for p in played):
+        more = _by_each(every, [k for k in laws if len(k.parameters) > 1])
+        found = [(data, [*few, *many]) for (data, few), (_, many) in zip(found, more, strict=True)]
     if len(found) > 1:
         noise = np.min([data.measured(p).noise for data, played in found for p in played], axis=0)
         found = [(replace(data, noise=noise), played) for data, played in found]
     return _measured(*_simplest(found))
+
+
+def _by_each(every: Sequence[Plays], laws: Sequence[ActuationEffect | None]) -> list[tuple[Plays, list[Floats]]]:
+    """Each way to take set-points, and what servos play in it with each of some laws."""
+    played = in_processes([(_by_all, (data, kind)) for data in every for kind in laws])
+    return [(data, played[n * len(laws) : (n + 1) * len(laws)]) for n, data in enumerate(every)]
 
 
 def _simplest(found: Sequence[tuple[Plays, list[Floats]]]) -> tuple[Plays, list[Floats]]:

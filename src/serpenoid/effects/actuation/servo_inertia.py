@@ -18,7 +18,7 @@ from serpenoid.body import Floats
 from serpenoid.effects.actuation.servo_lag import FIRST_LAG, INSTANT
 from serpenoid.effects.base import ActuationEffect, Parameter, Symbols, Wave
 
-FIRST_DAMPINGS = (0.5, 1.0)  # where fits begin
+FIRST_DAMPING = 0.7  # where a fit begins: between ringing and creeping
 FORGOTTEN = 1e6  # lags: nothing is left of any transient
 SURE = 1e-15  # keeps 1 / c defined where the law is of first order
 TERMS = 10  # of series in arguments below one: the rest is below rounding
@@ -38,10 +38,9 @@ class ServoInertia(ActuationEffect):
         )
 
     def starts(self, readings: Floats, quickest: Floats) -> list[Floats]:
-        """At rest nothing says which way a memory works; a ringing and a creeping one."""
-        damping = self.parameters[1]
-        joints = readings.shape[1]
-        return [np.tile([[FIRST_LAG], [damping.coordinate(d)]], (1, joints)) for d in FIRST_DAMPINGS]
+        """At rest nothing says which way a memory works."""
+        first = [[FIRST_LAG], [self.parameters[1].coordinate(FIRST_DAMPING)]]
+        return [np.tile(first, (1, readings.shape[1]))]
 
     def in_gait(self, wave: Wave, p: Symbols) -> Wave:
         """A sine comes out of x' = F x + b u + d u' as (1, 0) (1 - F / z)^-1 (d + b / z), z = exp(2 pi i / steps)."""
