@@ -150,7 +150,8 @@ def make(
 
 def _played(setting: Setting, protocol: Protocol, world: World) -> Setting:
     """Rows jump only where the servos need time to follow: no joint does in no time."""
-    slow = world.servos.lag > 0 or np.isfinite(world.servos.max_speed)
+    servos = world.servos
+    slow = servos.lag > 0 or servos.swing is not None or np.isfinite(servos.max_speed)
     return replace(setting, plan=replace(setting.plan, held=True)) if protocol.held and slow else setting
 
 

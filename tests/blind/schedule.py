@@ -43,6 +43,7 @@ class Servos:
     """Parameters of the actuation effects, neutral by default. Dictionaries: joint number -> value."""
 
     lag: float = 0.0
+    swing: tuple[float, float] | None = None  # lag [s] and damping ratio of servos with inertia
     max_speed: float = np.inf
     lags: dict[int, float] = field(default_factory=dict)
     speeds: dict[int, float] = field(default_factory=dict)
@@ -103,6 +104,23 @@ def lagged(time: Floats, target: Floats, lag: Floats, held: bool = False) -> Flo
     return q
 
 
+def swung(time: Floats, target: Floats, lag: float, damping: float, held: bool = False) -> Floats:
+    """(lag / 2 damping)^2 q'' + lag q' + q = target, from rest: two modes, exact for a target as in `lagged`."""
+    one, two = np.roots([(lag / (2 * damping)) ** 2, lag, 1.0]).astype(complex)
+    q, rate = np.empty_like(target), np.zeros(target.shape[1])
+    q[0] = target[0]
+    h = np.diff(time)
+    slope = np.zeros_like(target[1:]) if held else np.diff(target, axis=0) / h[:, None]
+    for i in range(len(h)):
+        there = target[i if held else i + 1]
+        away, speed = q[i] - target[i] + lag * slope[i], rate - slope[i]
+        first = (speed - two * away) / (one - two)
+        modes = first * np.exp(one * h[i]), (away - first) * np.exp(two * h[i])
+        q[i + 1] = there - lag * slope[i] + (modes[0] + modes[1]).real
+        rate = slope[i] + (one * modes[0] + two * modes[1]).real
+    return q
+
+
 def rate_limited(time: Floats, target: Floats, max_speed: float, held: bool = False) -> Floats:
     q = np.empty_like(target)
     q[0] = target[0]
@@ -129,6 +147,10 @@ def realise(g: Grid, servos: Servos, begun: Floats | None = None) -> tuple[Float
     for joint, lag in servos.lags.items():
         q[:, [joint - 1]] = lagged(g.time, q[:, [joint - 1]], np.full(len(g.time) - 1, lag), g.held)
         jumps[joint - 1] = False
+    if servos.swing is not None:
+        for j, own in enumerate(jumps):
+            q[:, [j]] = swung(g.time, q[:, [j]], *servos.swing, held=bool(own))
+        jumps[:] = False
     if servos.lag > 0:
         for j, own in enumerate(jumps):
             q[:, [j]] = lagged(g.time, q[:, [j]], np.full(len(g.time) - 1, servos.lag), bool(own))

@@ -40,9 +40,11 @@ LOGARITHMIC = {
     "radius",
     "width",
     "exponent",
+    "damping",
 }
 STARTS: dict[str, list[dict[str, float]]] = {
     "servo_lag": [{"lag": 0.03}],
+    "servo_inertia": [{"lag": 0.03, "damping": 0.7}],
     "gain_loss": [{"loss": 0.1}],
     "zero_offset": [{"offset": 0.0}],
     "stuck_joint": [{"angle": 0.0}],

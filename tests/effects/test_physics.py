@@ -12,6 +12,7 @@ from serpenoid.effects import ActiveEffect, catalogue, find
 from serpenoid.media import LAWS
 from serpenoid.model import Model
 from serpenoid.problem import Problem
+from serpenoid.simulation.servos import realise, realise_gait
 from serpenoid.trajectory import Trajectory
 
 MEDIUM = [name for name, effect in catalogue().items() if effect.site == "medium"]
@@ -225,8 +226,6 @@ def test_friction_only_takes_energy(problem: Problem, table: np.ndarray) -> None
 
 def test_lag_delays_and_shrinks_a_sine_as_a_first_order_filter(problem: Problem) -> None:
     """Amplitude 1 / sqrt(1 + (omega lag)^2), delay atan(omega lag), for finely sampled set-points."""
-    from serpenoid.simulation.servos import realise_gait
-
     lag, cycle = 0.3, 5.0
     phase = 2 * np.pi * np.arange(2000) / 2000
     table = np.repeat(np.sin(phase)[:, None], 10, axis=1)
@@ -234,3 +233,68 @@ def test_lag_delays_and_shrinks_a_sine_as_a_first_order_filter(problem: Problem)
     omega = 2 * np.pi / cycle
     expected = np.sin(phase - np.arctan(omega * lag)) / np.hypot(1, omega * lag)
     np.testing.assert_allclose(found[:, 0], expected, atol=1e-5)
+
+
+def servos(problem: Problem, setpoints: np.ndarray, times: np.ndarray, name: str, **values: float) -> np.ndarray:
+    """Angles (R,) of one joint of the robot's, all told the same (R,)."""
+    model = extended(problem, ActiveEffect.of(name, **values))
+    return realise(model, np.repeat(setpoints[:, None], 10, axis=1), times).angles[:, 0]
+
+
+@pytest.mark.parametrize("damping", [0.2, 0.7, 1.0, 1.3, 5.0])
+def test_servos_with_inertia_answer_a_sine_as_a_filter_of_second_order(damping: float, problem: Problem) -> None:
+    """By the factor 1 / (1 - (omega / w)^2 + i omega lag), w = 2 damping / lag, for finely sampled set-points."""
+    lag, cycle = 0.4, 5.0
+    phase = 2 * np.pi * np.arange(4000) / 4000
+    table = np.repeat(np.sin(phase)[:, None], 10, axis=1)
+    moved = ActiveEffect.of("servo_inertia", lag=lag, damping=damping)
+    found = realise_gait(extended(problem, moved, duration=cycle), table)
+    omega = 2 * np.pi / cycle
+    factor = 1 / (1 - (omega * lag / (2 * damping)) ** 2 + 1j * omega * lag)
+    np.testing.assert_allclose(found[:, 0], (factor * np.exp(1j * phase)).imag, atol=1e-5)
+
+
+@pytest.mark.parametrize("damping", [0.1, 0.5, 0.9])
+def test_servos_with_inertia_overshoot_a_jump_by_what_their_damping_says(damping: float, problem: Problem) -> None:
+    """exp(-pi damping / sqrt(1 - damping^2)), half a period after the jump (textbooks of control)."""
+    lag, root = 0.1, np.sqrt(1 - damping**2)
+    peak = np.pi * lag / (2 * damping * root)
+    times = np.array([0.0, 1e-9, peak, 2 * peak])
+    found = servos(problem, np.array([0.0, 1.0, 1.0, 1.0]), times, "servo_inertia", lag=lag, damping=damping)
+    over = np.exp(-np.pi * damping / root)
+    np.testing.assert_allclose(found[2:], [1 + over, 1 - over**2], atol=1e-7)  # a jump takes a nanosecond
+
+
+def test_two_lags_one_after_the_other_are_inertia_that_creeps(problem: Problem) -> None:
+    """(1 + a s)(1 + b s): lag a + b, damping (a + b) / (2 sqrt(a b)), whatever is told."""
+    a, b = 0.05, 0.2
+    times = np.linspace(0, 3, 3001)
+    told = np.sin(7 * times) * np.exp(-times)
+    model = extended(problem, ActiveEffect.of("servo_lag", lag=a), ActiveEffect.of("lagging_joint", 1, lag=b))
+    chain = realise(model, np.repeat(told[:, None], 10, axis=1), times).angles[:, 0]
+    both = servos(problem, told, times, "servo_inertia", lag=a + b, damping=(a + b) / (2 * np.sqrt(a * b)))
+    np.testing.assert_allclose(both, chain, atol=2e-6)  # what passes from lag to lag is taken to be straight in a step
+
+
+def test_critical_damping_is_no_corner(problem: Problem) -> None:
+    """A servo neither side of which another formula is used moves as its neighbours do."""
+    rng = np.random.default_rng(0)
+    times, told = np.cumsum(rng.uniform(0.01, 0.3, 40)), rng.normal(size=40)
+    apart = 1e-6
+    below, at, above = (
+        servos(problem, told, times, "servo_inertia", lag=0.1, damping=1 + n * apart) for n in (-1, 0, 1)
+    )
+    assert np.abs(above - below).max() < 10 * apart
+    np.testing.assert_allclose(at, (above + below) / 2, atol=1e-10)  # the second difference, and rounding
+
+
+def test_the_more_damped_inertia_is_the_nearer_it_comes_to_a_lag(problem: Problem) -> None:
+    """With lag held, by the square of the damping ratio."""
+    times = np.linspace(0, 4, 401)
+    told = np.sin(5 * times) ** 3
+    first = servos(problem, told, times, "servo_lag", lag=0.1)
+    gaps = [
+        np.abs(servos(problem, told, times, "servo_inertia", lag=0.1, damping=d) - first).max() for d in (4.0, 8.0, 1e6)
+    ]
+    assert gaps[0] / gaps[1] == pytest.approx(4, rel=0.1)
+    assert gaps[2] < 1e-11

@@ -24,6 +24,7 @@ from specimens import nlp_of, oracle_run, problem
 
 CHAIN = (
     ActiveEffect.of("servo_lag", lag=0.3),
+    ActiveEffect.of("servo_inertia", lag=0.2, damping=0.4),
     ActiveEffect.of("backlash", 3, width=0.1),
     ActiveEffect.of("gain_loss", 2, loss=0.2),
     ActiveEffect.of("loose_joint", 3, width=0.05),
@@ -73,7 +74,7 @@ def test_what_a_family_has_a_formula_for_needs_no_states() -> None:
     assert not needs_states(model, ELLIPSE.of(4, 24))
     assert needs_states(model, ELLIPSE.of(4, 25, closed=False))  # a transient begins at rest
     assert not needs_states(model_of(ActiveEffect.of("stuck_joint", 2, angle=0.3)), TableGait().of(4, 24))
-    assert motion_law(model, TableGait().of(4, 24)).states == 24 * 6
+    assert motion_law(model, TableGait().of(4, 24)).states == 24 * (4 + 4 * 2 + 2)
 
 
 @pytest.mark.parametrize("gait", gaits(), ids=lambda gait: gait.family)

@@ -23,17 +23,17 @@ def setpoints(table: np.ndarray) -> np.ndarray:
     return np.concatenate([table, np.repeat(table[:1], 12, axis=0)])
 
 
-def changed(active: ActiveEffect, change: float) -> ActiveEffect:
-    p = active.effect.parameters[0]
-    value = p.value(p.coordinate(active.parameters[p.name]) + change)
-    return ActiveEffect.model_construct(name=active.name, place=active.place, parameters={p.name: value})
+def changed(active: ActiveEffect, parameter: str, change: float) -> ActiveEffect:
+    p = next(p for p in active.effect.parameters if p.name == parameter)
+    values = active.parameters | {p.name: p.value(p.coordinate(active.parameters[p.name]) + change)}
+    return ActiveEffect.model_construct(name=active.name, place=active.place, parameters=values)
 
 
 @pytest.mark.parametrize("others", [(), ("servo_lag",), ("speed_saturation", "backlash", "gain_loss")])
-@pytest.mark.parametrize("name", ACTUATION)
+@pytest.mark.parametrize(("name", "parameter"), [(n, p.name) for n in ACTUATION for p in find(n).parameters])
 @pytest.mark.parametrize("neutral", [True, False])
 def test_derivatives_are_those_of_the_angles(
-    name: str, others: tuple[str, ...], neutral: bool, problem: Problem, setpoints: np.ndarray
+    name: str, parameter: str, others: tuple[str, ...], neutral: bool, problem: Problem, setpoints: np.ndarray
 ) -> None:
     if neutral and all(p.neutral is None for p in find(name).parameters):
         return  # a stuck joint is stuck at some angle
@@ -41,8 +41,10 @@ def test_derivatives_are_those_of_the_angles(
     present = [typical(other) for other in others if other != name]
     model = extended(problem, *present, active)
     found = servo_sensitivities(model, setpoints, TIMES, [active] if neutral else [])
-    (column,) = [i for i, c in enumerate(found.columns) if c.effect == name]
-    high, low = (realise(extended(problem, *present, changed(active, h)), setpoints, TIMES) for h in (STEP, 0.0))
+    (column,) = [i for i, c in enumerate(found.columns) if (c.effect, c.parameter) == (name, parameter)]
+    high, low = (
+        realise(extended(problem, *present, changed(active, parameter, h)), setpoints, TIMES) for h in (STEP, 0.0)
+    )
     # a coordinate of 1 / speed has its kink far from zero; a row that begins or ends to slip within the step differs
     for exact, up, down in (
         (found.angles_by[..., column], high.angles, low.angles),
@@ -68,7 +70,7 @@ def test_a_stuck_joint_is_no_candidate(problem: Problem, setpoints: np.ndarray) 
         servo_sensitivities(extended(problem), setpoints, TIMES, [typical("stuck_joint")])
 
 
-@pytest.mark.parametrize("name", ["servo_lag", "speed_saturation", "backlash"])
+@pytest.mark.parametrize("name", ["servo_lag", "servo_inertia", "speed_saturation", "backlash"])
 def test_it_does_not_matter_into_how_many_rows_a_straight_line_is_cut(name: str, problem: Problem) -> None:
     # quick strokes there and back: a servo meets its set-point, and is left behind, inside of rows
     rows, times = np.array([0, 0.9, -1.1, 0.4, 0.5, -0.2, 1.3, 1.3]), np.array([0, 1, 1.7, 2.6, 4, 4.3, 6, 9.0])

@@ -14,7 +14,7 @@ from typing import Any, Self
 
 from pydantic import Field, model_validator
 
-from serpenoid.body import Body
+from serpenoid.body import Body, Floats
 from serpenoid.effects.base import Effect, ObservationEffect, Parameter
 from serpenoid.effects.catalogue import find, places
 from serpenoid.effects.view import View
@@ -89,7 +89,7 @@ class ActiveEffect(Record):
         """What the symbolic contribution takes: coordinates of the parameters, then 1 (present)."""
         return [*(p.coordinate(self.parameters[p.name]) for p in self.effect.parameters), 1.0]
 
-    def with_coordinates(self, coordinates: Sequence[float]) -> ActiveEffect:
+    def with_coordinates(self, coordinates: Sequence[float] | Floats) -> ActiveEffect:
         """The same effect with other coordinates (P) or (P + 1), clipped to the bounds."""
         pairs = zip(self.effect.parameters, coordinates, strict=False)
         values = {p.name: min(max(p.value(float(c)), p.lower), p.upper) for p, c in pairs}

@@ -249,16 +249,32 @@ class Wave:
         mean = (quarters[0] + quarters[2]) / 2
         return mean, quarters[0] - mean, quarters[1] - mean
 
+    def filtered(self, top: tuple[ca.SX, ca.SX], bottom: tuple[ca.SX, ca.SX]) -> Wave:
+        """A sine that comes out smaller or larger, and later: by a factor top / bottom, each (real, imaginary)."""
+        size = bottom[0] ** 2 + bottom[1] ** 2
+        real = (top[0] * bottom[0] + top[1] * bottom[1]) / size
+        imaginary = (top[1] * bottom[0] - top[0] * bottom[1]) / size
+        mean, cosine, sine = self.harmonic
+
+        def at(row: ca.SX) -> ca.SX:
+            angle = 2 * ca.pi * row / self.steps
+            direct = cosine * ca.cos(angle) + sine * ca.sin(angle)
+            quarter_later = sine * ca.cos(angle) - cosine * ca.sin(angle)
+            return mean + real * direct + imaginary * quarter_later
+
+        return replace(self, at=at)
+
 
 @dataclass(frozen=True, eq=False)
 class ActuationEffect(Effect):
     """Command to shape. `respond` takes one joint from one time to the next; `in_gait` is what it settles on.
 
-    memory: whether the answer depends on the angle before. shown: whether the servo's reading shows the true angle.
+    memory: how many numbers of what went before the answer depends on: the joint's angle, then others that are equal to
+    it at rest. shown: whether the servo's reading shows the true angle.
     limits: whether an optimised gait stays slow enough to be played as it is commanded (`speed_limit`).
     """
 
-    memory: bool = False
+    memory: int = 0
     shown: bool = True
     limits: bool = False
     needs_seconds: bool = False
@@ -269,12 +285,13 @@ class ActuationEffect(Effect):
         return "actuation"
 
     def starts(self, readings: Floats, quickest: Floats) -> list[Floats]:
-        """Coordinates (m,), by joint, where fits of its parameter to readings (R, m) [rad], NaN unread, may begin;
-        quickest: speed (m,) of the set-points [rad/s]."""
+        """Coordinates (m,), by joint, where fits of its parameter to readings (R, m) [rad], NaN unread, may begin; of
+        several parameters (P, m). quickest: speed (m,) of the set-points [rad/s]."""
         return [np.full(readings.shape[1], self.parameters[0].resting)]
 
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
-        """Joint angle after `duration` [s] of a set-point that runs linearly from `before` to `after` [rad]."""
+        """Joint angle after `duration` [s] of a set-point that runs linearly from `before` to `after` [rad]; `angle`:
+        before it. Where more is remembered, both are columns of all that is."""
         raise NotImplementedError
 
     def in_gait(self, wave: Wave, p: Symbols) -> Wave:

@@ -1,6 +1,6 @@
 """One joint during one step of its set-point: all actuation effects, one after the other.
 
-Legend: Q effects with memory, P coordinates; n steps of C joints side by side.
+Legend: Q numbers that effects remember, P coordinates; n steps of C joints side by side.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from serpenoid.mechanics.lanes import LANES, PRELUDE, flags, kernel
 
 
 def memories() -> int:
-    """Q: each of these effects remembers the angle that it let through last."""
+    """Q: effects with memory remember the angle that they let through last, and what else they need."""
     return sum(effect.memory for effect in actuation_effects())
 
 
@@ -44,7 +44,8 @@ def play(memory: Floats, setpoints: Floats, durations: Floats, theta: Floats) ->
 def _in_lanes() -> Any:
     """C of `play`: block after block of joints; for each of them, step after step; in each, effect after effect."""
     kinds, q, numbers = actuation_effects(), memories(), len(parameter_rows()) + len(actuation_effects())
-    sizes = [2, numbers, q, q, 2 * len(kinds)]
+    passed = np.cumsum([0, *(1 + max(kind.memory, 1) for kind in kinds)]) * LANES
+    sizes = [2, numbers, q, q, int(passed[-1]) // LANES]
     places = [f"work + {sum(sizes[:i]) * LANES}" for i in range(len(sizes))]
     names = ["told", "own", "known", "kept", "passed"]
     arrays = "\n".join(f"  double *{name} = {place};" for name, place in zip(names, places, strict=True))
@@ -52,7 +53,7 @@ def _in_lanes() -> Any:
     remembered = np.cumsum([0, *(kind.memory for kind in kinds)]) * LANES
     there = "\n".join(f"      there[{k}] |= own[{end - LANES} + i] != 0.0;" for k, end in enumerate(own[1:]))
     through = "\n".join(
-        _through(kind, f"there[{k}]", f"own + {own[k]}", remembered[k], f"passed + {2 * k * LANES}")
+        _through(kind, f"there[{k}]", f"own + {own[k]}", remembered[k], f"passed + {passed[k]}")
         for k, kind in enumerate(kinds)
     )
     body = f"""
@@ -101,7 +102,9 @@ def _through(kind: ActuationEffect, there: str, own: str, memory: int, passed: s
     given = f"{known if kind.memory else 'before'}, before, after, durations + t, {own}"
     lines = [f"if ({there}) {response}(eights, {given}, {passed}, {passed} + {LANES});"]
     if kind.memory:
-        lines += [f"memcpy({kept}, {there} ? {passed} + {LANES} : after, {LANES} * sizeof(double));"]
+        for row in range(kind.memory):
+            at = f"{there} ? {passed} + {(1 + row) * LANES} : after"
+            lines += [f"memcpy({kept} + {row * LANES}, {at}, {LANES} * sizeof(double));"]
         lines += [f"before = {known}, after = {kept};"]
     else:
         lines += [f"if ({there}) before = {passed}, after = {passed} + {LANES};"]
@@ -112,13 +115,14 @@ def _through(kind: ActuationEffect, there: str, own: str, memory: int, passed: s
 @cache
 def _response(kind: ActuationEffect) -> ca.Function:
     """(what it remembers, if it does, set-points before and after [rad], duration [s], coordinates) -> what comes out
-    before and after."""
-    last, before, after, duration = (ca.SX.sym(name) for name in ("last", "before", "after", "duration"))
+    before and after; of what it remembers then, the first."""
+    before, after, duration = (ca.SX.sym(name) for name in ("before", "after", "duration"))
+    last = ca.SX.sym("last", max(kind.memory, 1))
     coordinates = ca.SX.sym("coordinates", len(kind.parameters) + 1)
     p = kind.symbols(coordinates)
-    angle = last if kind.memory else kind.respond(before, before, before, duration, p)
+    known = last if kind.memory else kind.respond(before, before, before, duration, p)
     inputs = [last, before, after, duration, coordinates]
-    return ca.Function(kind.name, inputs, [angle, kind.respond(angle, before, after, duration, p)], CSE)
+    return ca.Function(kind.name, inputs, [known[0], kind.respond(known, before, after, duration, p)], CSE)
 
 
 def _one_by_one(memory: Floats, setpoints: Floats, durations: Floats, theta: Floats) -> tuple[Floats, Floats, Floats]:
@@ -170,12 +174,14 @@ def _joint_step() -> ca.Function:
     memory, theta = ca.SX.sym("memory", memories()), ca.SX.sym("theta", sum(counts))
     begin, end, duration = ca.SX.sym("before"), ca.SX.sym("after"), ca.SX.sym("duration")
     parts = ca.vertsplit(theta, [0, *(sum(counts[: i + 1]) for i in range(len(counts)))])
-    remembered = iter(ca.vertsplit(memory))
-    before, after, states, reading = begin, end, [], end
+    remembered = iter(ca.vertsplit(memory, [0, *np.cumsum([kind.memory for kind in kinds if kind.memory]).tolist()]))
+    states: list[ca.SX] = []
+    before, after, reading = begin, end, end
     for kind, part in zip(kinds, parts, strict=True):
         last = next(remembered) if kind.memory else before
-        before, after = _response(kind)(last, before, after, duration, part)
-        states += [after] if kind.memory else []
+        before, passed = _response(kind)(last, before, after, duration, part)
+        states += [passed] if kind.memory else []
+        after = passed[0]
         reading = after if kind.shown else reading
     inputs, outputs = [memory, begin, end, duration, theta], [ca.vertcat(*states), after, reading]
     return ca.Function("joint_step", inputs, outputs, CSE)

@@ -1,6 +1,6 @@
 """Servos with memory in the gait NLP: what every such effect lets through, at every row, is a variable.
 
-    z_t = respond(z_{t-1}, in_{t-1}, in_t)     one equation per joint, effect with memory, and row
+    z_t = respond(z_{t-1}, in_{t-1}, in_t)     per joint, effect with memory, and row: equations for all it remembers
 
 `in` is the command, or what the effect before lets through; realised angles follow from z_t and the command of row t.
 A closed gait's first row follows its last, so that the solution is the periodic motion on which servos settle; a
@@ -39,7 +39,7 @@ class Played:
     @property
     def per_row(self) -> int:
         """S."""
-        return sum(len(self._remembering(joint)) for joint in range(self.family.joints))
+        return sum(kind.memory for joint in range(self.family.joints) for kind in self._remembering(joint))
 
     @property
     def states(self) -> int:
@@ -122,7 +122,10 @@ class Played:
         for joint in range(self.family.joints):
             angle = command[joint]
             for kind, p in self._chain(joint):
-                angle = next(remembered) if remembers(kind) else _at_once(kind, angle, p)
+                if not remembers(kind):
+                    angle = _at_once(kind, angle, p)
+                    continue
+                angle, *_ = (next(remembered) for _ in range(kind.memory))
             angles.append(angle)
         return ca.vertcat(*angles)
 
@@ -142,9 +145,10 @@ class Played:
                     was, now_in = _at_once(kind, was, p), _at_once(kind, now_in, p)
                     continue
                 number = len(found)
-                old = first * then[joint] + (1 - first) * olds[number]
-                found.append(kind.respond(old, was, now_in, duration, p))
-                was, now_in = old, found[-1] if news is None else news[number]
+                last = ca.vertcat(*olds[number : number + kind.memory])
+                old = first * then[joint] + (1 - first) * last
+                found.extend(ca.vertsplit(kind.respond(old, was, now_in, duration, p)))
+                was, now_in = old[0], (found if news is None else news)[number]
         return ca.vertcat(*found)
 
     def _command(self, p: ca.SX, data: ca.SX, parameters: ca.SX) -> ca.SX:
@@ -167,7 +171,7 @@ FADED = 1e-14
 
 def remembers(effect: object) -> bool:
     """Whether an effect has a state in the NLP; a gait that never saturates has none of saturation."""
-    return isinstance(effect, ActuationEffect) and effect.memory and not effect.limits
+    return isinstance(effect, ActuationEffect) and effect.memory > 0 and not effect.limits
 
 
 def _at_once(kind: ActuationEffect, angle: ca.SX, p: Symbols) -> ca.SX:

@@ -192,7 +192,7 @@ def recorded(
 
 
 def _has_edge(active: ActiveEffect) -> bool:
-    return isinstance(active.effect, ActuationEffect) and active.effect.memory and active.effect.place is not None
+    return isinstance(active.effect, ActuationEffect) and active.effect.memory > 0 and active.effect.place is not None
 
 
 @dataclass(frozen=True)

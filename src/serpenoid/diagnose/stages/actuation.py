@@ -3,7 +3,7 @@
 Every actuation effect that the reading shows is a law from set-point to angle, played by the same code that simulates
 it. Joints do not touch each other here, so one evaluation fits an effect at every joint at once.
 
-Legend: R log rows of all trials, m joints.
+Legend: R log rows of all trials, m joints, P parameters of an effect, K places.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from serpenoid.parallel import in_processes
 
 STEPS = 7
 REACH, SHRUNK = 3.0, 0.7  # of a positive scale: by how much more, and less, it is at most after one step
+RIDGE = 1e-9  # of a parameter's own slope, where two may do the same
 HOPELESS = 1e6  # damping: no step gains anything
 
 
@@ -46,18 +47,26 @@ def plays(recordings: Sequence[Recording], held: bool | None = None) -> Plays:
     rows are, where that is known.
 
     Noise is the least that readings have about any of it: about a smooth course, those of servos that jump scatter
-    widely, and a way that is wrong is followed.
+    widely, and a way that is wrong is followed. Laws of several numbers are tried where those of fewer leave something.
     """
     every = list(ways(recordings, held))
-    laws = (None, *(k for k in shown(every[0]) if k.place is None))
+    laws = [k for k in shown(every[0]) if k.place is None]
     noise = np.min([data.noise for data in every], axis=0)
     every = [replace(data, noise=noise) for data in every]
-    played = in_processes([(_by_all, (data, kind)) for data in every for kind in laws])
-    found = [(data, played[n * len(laws) : (n + 1) * len(laws)]) for n, data in enumerate(every)]
+    found = _by_each(every, [None, *(k for k in laws if len(k.parameters) == 1)])
+    if not any(followed(data, p) for data, played in found for p in played):
+        more = _by_each(every, [k for k in laws if len(k.parameters) > 1])
+        found = [(data, [*few, *many]) for (data, few), (_, many) in zip(found, more, strict=True)]
     if len(found) > 1:
         noise = np.min([data.measured(p).noise for data, played in found for p in played], axis=0)
         found = [(replace(data, noise=noise), played) for data, played in found]
     return _measured(*_simplest(found))
+
+
+def _by_each(every: Sequence[Plays], laws: Sequence[ActuationEffect | None]) -> list[tuple[Plays, list[Floats]]]:
+    """Each way to take set-points, and what servos play in it with each of some laws."""
+    played = in_processes([(_by_all, (data, kind)) for data in every for kind in laws])
+    return [(data, played[n * len(laws) : (n + 1) * len(laws)]) for n, data in enumerate(every)]
 
 
 def _simplest(found: Sequence[tuple[Plays, list[Floats]]]) -> tuple[Plays, list[Floats]]:
@@ -112,10 +121,11 @@ def attempts(data: Plays, base: Sequence[ActiveEffect]) -> list[Attempt]:
 def fit_everywhere(
     data: Plays, name: str, base: Sequence[ActiveEffect], starts: Sequence[Floats], only: int | None = None
 ) -> list[Attempt]:
-    """Gauss-Newton for one parameter per joint, all side by side (one for all without a place), from the best of some
-    starts (m,). only: this joint alone, where it is known when trials began (else `fit_together`)."""
+    """Gauss-Newton for an effect's parameters at every joint, all side by side (once for all without a place), from the
+    best of some starts (m,), of several parameters (P, m). only: this joint alone, where it is known when trials began
+    (else `fit_together`)."""
     kind = find(name)
-    parameter = kind.parameters[0]
+    parameters = kind.parameters
     taken = {e.place for e in base if e.name == name}
     places = [p for p in places_of(kind, data) if p not in taken and only in (None, p)]
     if not places:  # every joint has it
@@ -125,27 +135,30 @@ def fit_everywhere(
     without, realised = (data.realised(base), data.realised) if only is None else data.at_joint(only, base)
 
     def play(x: Floats) -> Floats:
-        effects = [ActiveEffect.neutral(name, place).with_coordinates([v]) for place, v in zip(places, x, strict=True)]
+        effects = [ActiveEffect.neutral(name, place).with_coordinates(v) for place, v in zip(places, x.T, strict=True)]
         return realised([*base, *effects])
 
     def own(by_joint: Floats) -> Floats:
         return by_joint.sum(keepdims=True) if kind.place is None else by_joint[columns]
 
-    tried = [own(data.chi2(play(s[columns]))) for s in starts] if len(starts) > 1 else [np.zeros(len(places))]
-    values = np.choose(np.argmin(tried, axis=0), [start[columns] for start in starts])
-    positive = parameter.lower >= 0 and bool((values > 0).all())
-    step_size = 1e-4 * max(abs(parameter.coordinate(parameter.typical)), 1e-3)
+    begun = [np.atleast_2d(start)[:, columns] for start in starts]
+    tried = [own(data.chi2(play(x))) for x in begun] if len(begun) > 1 else [np.zeros(len(places))]
+    values = np.choose(np.argmin(tried, axis=0), begun)
+    positive = np.array([p.lower >= 0 for p in parameters]) & (values > 0).all(axis=1)
+    small = np.diag([1e-4 * max(abs(p.coordinate(p.typical)), 1e-3) for p in parameters])[..., None]
+    sizes, near = small.sum(axis=0), 1e-4 * np.array([[abs(p.typical)] for p in parameters])
     best = play(values)
-    left, damping = data.left(best), np.ones(len(values))
+    left, damping = data.left(best), np.ones(len(places))
     for _ in range(STEPS):
-        moved = play(values + step_size)
-        slope, bare = (left - data.left(moved)) / step_size, (moved - best) / step_size
+        moved = [play(values + step) for step in small]
+        slopes = [(left - data.left(x)) / size for x, size in zip(moved, sizes, strict=True)]
         # what is left is at the best moves of clocks, so that only the bare slope turns it into the gradient
-        top, bottom = (own((x * bare).sum(axis=0) / data.noise**2) for x in (left, slope))
-        change = damping * top / np.maximum(bottom, 1e-12)
-        if positive:
-            change = _in_reach(change, values)
-        trial = np.array([_inside(parameter, v) for v in values + change])
+        bare = [(x - best) / size for x, size in zip(moved, sizes, strict=True)]
+        pull = np.stack([own((left * b).sum(axis=0) / data.noise**2) for b in bare])
+        matrix = np.array([[own((s * b).sum(axis=0) / data.noise**2) for s in slopes] for b in bare])
+        change = damping * _newton(matrix, pull)
+        change = np.where(positive[:, None], _in_reach(change, values), change)
+        trial = np.array([[_inside(p, v) for v in row] for p, row in zip(parameters, values + change, strict=True)])
         new = play(trial)
         missed = data.left(new)
         better = own(data.sizes(missed)) < own(data.sizes(left))
@@ -154,14 +167,24 @@ def fit_everywhere(
         if better.any():
             best = new if better.all() else play(values)
             left = missed if better.all() else data.left(best)
-        if np.abs(change).max() < 1e-4 * abs(parameter.typical):
+        if (np.abs(change) < near).all():
             break
     cost, empty, joint = data.sizes(left), data.chi2(without), np.arange(data.readings.shape[1])
     if isinstance(kind, ActuationEffect) and kind.memory:  # a gap that is never crossed may be any wider, and is none
-        cost = np.where((play(values + step_size) == best).all(axis=0), empty, cost)
+        idle = np.all([play(values + step) == best for step in small], axis=(0, 1))
+        cost = np.where(idle, empty, cost)
     by_place = [cost if p is None else np.where(joint == p - 1, cost, empty) for p in places]
-    pairs = zip(places, values, by_place, strict=True)
-    return [Attempt(ActiveEffect.neutral(name, p).with_coordinates([v]), total) for p, v, total in pairs]
+    pairs = zip(places, values.T, by_place, strict=True)
+    return [Attempt(ActiveEffect.neutral(name, p).with_coordinates(v), total) for p, v, total in pairs]
+
+
+def _newton(matrix: Floats, pull: Floats) -> Floats:
+    """Changes (P, K) of parameters, by products (P, P, K) of slopes and the pull (P, K); those that do nothing stay."""
+    diagonal = np.einsum("ppk->kp", matrix)
+    own = np.sqrt(np.maximum(diagonal, 1e-12))
+    scaled = np.moveaxis(matrix, -1, 0) / (own[:, :, None] * own[:, None, :])
+    scaled[:, range(len(pull)), range(len(pull))] = 1.0 + RIDGE * (len(pull) > 1)
+    return np.asarray((np.linalg.solve(scaled, (pull.T / own)[..., None])[..., 0] / own).T)
 
 
 def _in_reach(change: Floats, values: Floats) -> Floats:
@@ -178,21 +201,23 @@ def _inside(p: Parameter, coordinate: float) -> float:
 def fit_together(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:
     """Levenberg-Marquardt in the parameters of all effects at once: where nothing says when trials began, that depends
     on what every joint does, and what every other one is fitted to depends on it."""
-    parameters = [e.effect.parameters[0] for e in chosen]
+    parameters = [p for e in chosen for p in e.effect.parameters]
+    owner = [e for e in chosen for _ in e.effect.parameters]
+    ends = np.cumsum([len(e.effect.parameters) for e in chosen])[:-1]
     small = 1e-4 * np.array([max(abs(p.coordinate(p.typical)), 1e-3) for p in parameters])
-    sets = _side_by_side(chosen)
+    sets = _side_by_side(owner)
 
     def at(x: Floats) -> list[ActiveEffect]:
-        return [e.with_coordinates([v]) for e, v in zip(chosen, x, strict=True)]
+        return [e.with_coordinates(v) for e, v in zip(chosen, np.split(x, ends), strict=True)]
 
-    values, damping = np.array([e.coordinates[0] for e in chosen]), 1e-4
+    values, damping = np.array([x for e in chosen for x in e.coordinates[:-1]]), 1e-4
     positive = np.array([p.lower >= 0 for p in parameters]) & (values > 0)
     here, late = data.met(at(values))
     left = data.left(here)
     while True:
         cost = float(data.sizes(left).sum())
         moved = [data.begun_at(at(values + np.where(sets == k, small, 0.0)), late) for k in range(sets.max() + 1)]
-        change = [_at_place(moved[k] - here, e) for k, e in zip(sets, chosen, strict=True)]
+        change = [_at_place(moved[k] - here, e) for k, e in zip(sets, owner, strict=True)]
         slopes = np.stack([data.slope(here, here + c, x) for c, x in zip(change, small, strict=True)]) / data.noise
         # what is left is at the best moves of clocks, so that only the bare change turns it into the gradient
         pull = np.array([(left * c / data.noise**2).sum() for c in change]) / small
@@ -215,7 +240,8 @@ def fit_together(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEff
 
 
 def _side_by_side(chosen: Sequence[ActiveEffect]) -> np.ndarray:
-    """In which set each effect (K,) can be moved at once with the others there: no two of one are at one joint."""
+    """In which set each parameter, by its effect, can be moved at once with the others there: no two of one are at one
+    joint."""
     sets: list[set[int | None]] = []
     found = []
     for e in chosen:
@@ -243,7 +269,7 @@ def needed(data: Plays, chosen: Sequence[ActiveEffect]) -> float:
     A candidate's column is what its law, where its fit begins, changes of what is played.
     """
     here = data.realised(chosen)
-    own = [slopes_of(data, chosen, e, here)[1] for e in chosen]
+    own = [slope for e in chosen for slope in slopes_of(data, chosen, e, here)[1]]
     everywhere: list[Floats] = []
     at_joint: list[Floats] = []
     for kind in shown(data):
@@ -256,11 +282,17 @@ def needed(data: Plays, chosen: Sequence[ActiveEffect]) -> float:
 
 def _changed(data: Plays, chosen: Sequence[ActiveEffect], kind: ActuationEffect, start: Floats, here: Floats) -> Floats:
     """What an effect everywhere changes (R, m), in units of noise."""
-    parameter, places = kind.parameters[0], places_of(kind, data)
-    moderate = np.where(start == parameter.resting, parameter.coordinate(parameter.typical), start)
-    tried = [ActiveEffect.neutral(kind.name, p).with_coordinates([moderate[(p or 1) - 1]]) for p in places]
+    places, start = places_of(kind, data), np.atleast_2d(start)
+    resting, typical = (np.array([[x] for x in f]) for f in _rests(kind.parameters))
+    moderate = np.where(start == resting, typical, start)
+    tried = [ActiveEffect.neutral(kind.name, p).with_coordinates(moderate[:, (p or 1) - 1]) for p in places]
     kept = [e for e in chosen if e.key not in {t.key for t in tried}]
     return data.slope(here, data.realised([*kept, *tried]), 1.0) / data.noise
+
+
+def _rests(parameters: Sequence[Parameter]) -> tuple[list[float], list[float]]:
+    """Resting and typical coordinates."""
+    return [p.resting for p in parameters], [p.coordinate(p.typical) for p in parameters]
 
 
 def places_of(kind: Effect, data: Plays) -> list[int | None]:
@@ -289,9 +321,12 @@ def _scored(
 
 def slopes_of(data: Plays, chosen: Sequence[ActiveEffect], effect: ActiveEffect, here: Floats) -> tuple[Floats, Floats]:
     """Of what is played where it is read, and of what is left at the best shifts in time, by one chosen effect's
-    coordinate, in units of noise (R, m); here: what all of them play."""
-    parameter, x = effect.effect.parameters[0], effect.coordinates[0]
-    step = 1e-4 * max(abs(x), 1e-3 * abs(parameter.coordinate(parameter.typical)))
+    coordinates, in units of noise (P, R, m); here: what all of them play."""
     others = [e for e in chosen if e.key != effect.key]
-    moved = data.realised([*others, effect.with_coordinates([x + step])])
-    return np.where(data.read, moved - here, 0.0) / step / data.noise, data.slope(here, moved, step) / data.noise
+    played, missed = [], []
+    for k, (p, x) in enumerate(zip(effect.effect.parameters, effect.coordinates, strict=False)):
+        step = 1e-4 * max(abs(x), 1e-3 * abs(p.coordinate(p.typical)))
+        moved = data.realised([*others, effect.moved(k, step)])
+        played.append(np.where(data.read, moved - here, 0.0) / step / data.noise)
+        missed.append(data.slope(here, moved, step) / data.noise)
+    return np.stack(played), np.stack(missed)

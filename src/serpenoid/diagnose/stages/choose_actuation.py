@@ -50,7 +50,8 @@ class Played:
     @cached_property
     def priced(self) -> Priced:
         """See `Explanation`."""
-        return Priced(float(self.data.chi2(self.angles).sum()), self.size, float(self.data.often.sum()))
+        numbers = sum(_numbers(e) for e in self.effects)
+        return Priced(float(self.data.chi2(self.angles).sum()), numbers, float(self.data.often.sum()))
 
     @property
     def size(self) -> int:
@@ -68,12 +69,12 @@ def choose_actuation(data: Plays) -> Stage:
             break
         tries = attempts(data, best.effects)
         singles = singles or tries
-        one_more = [Priced(float(t.chi2.sum()), best.size + 1, best.priced.count) for t in tries]
+        size, count = best.priced.parameters, best.priced.count
+        one_more = [Priced(float(t.chi2.sum()), size + _numbers(t.effect), count) for t in tries]
         found = cheapest(best.priced, one_more, len(tries))
         if found is None:
             break
-        new = tries[found].effect
-        best = Played(data, _refined(data, [*best.effects, new], new))
+        new, best = _one_more(best, [t.effect for t in tries], [p.chi2 for p in one_more], found)
         if _strength(data, new) < VISIBLE:
             break
     best = Played(data, _refined(data, best.effects))
@@ -100,6 +101,20 @@ def _divided(best: Played, bare: Played, joint: int) -> Divided | None:
     if told is None or not told.changed or (found is not None and found.changed):
         return found
     return replace(told, perhaps=True)
+
+
+def _one_more(
+    best: Played, tries: Sequence[ActiveEffect], chi2: Sequence[float], found: int
+) -> tuple[ActiveEffect, Played]:
+    """The candidate that was found, and all with it, fitted again; or the best of those of fewer numbers, if that is
+    then cheaper: candidates are fitted roughly, and one that came less far is no reason for one more number."""
+    by_chi2 = sorted(range(len(tries)), key=lambda i: chi2[i], reverse=True)
+    kinds = {_numbers(tries[i]): i for i in by_chi2} | {_numbers(tries[found]): found}
+    chosen = [tries[i] for size, i in sorted(kinds.items()) if size <= _numbers(tries[found])]
+    grown = [Played(best.data, _refined(best.data, [*best.effects, new], new)) for new in chosen]
+    cheaper = cheapest(best.priced, [g.priced for g in grown], len(tries)) if len(grown) > 1 else None
+    index = len(grown) - 1 if cheaper is None else cheaper
+    return chosen[index], grown[index]
 
 
 def _unlike(best: Played, joint: int, left: float) -> str:
@@ -137,11 +152,14 @@ def _law_error(best: Played, effect: ActiveEffect) -> float:
 
 
 def _rivals(best: Played, effect: ActiveEffect, singles: list[Attempt]) -> list[Rival]:
-    """What else could stand in the place of one chosen effect, the others kept; S_ab: the worst joint's RMS."""
+    """What else could stand in the place of one chosen effect, the others kept; S_ab: the worst joint's RMS.
+
+    A law of more numbers may hold the chosen one as a limit: it is no rival, since its numbers do not earn their price.
+    """
     data, least, keys = best.data, best.priced, {e.key for e in best.effects}
     kept = [e for e in best.effects if e is not effect]
-    tries = attempts(data, kept) if kept else singles
-    band = most_gained(1, len(tries))
+    tries = [t for t in (attempts(data, kept) if kept else singles) if _numbers(t.effect) <= _numbers(effect)]
+    band = most_gained(_numbers(effect), len(tries))
     roughly = min(float(t.chi2.sum()) for t in tries)  # each with the shifts in time of all joints' fits together
     close = [t.effect for t in tries if not excludable(float(t.chi2.sum()), roughly, least.count, band)]
     found = []
@@ -175,31 +193,39 @@ def _refined(data: Plays, chosen: Sequence[ActiveEffect], new: ActiveEffect | No
             if effect.place not in touched:
                 continue
             others = [e for e in chosen if e is not effect]
-            start = np.full(data.readings.shape[1], effect.coordinates[0])
+            start = np.tile(np.array(effect.coordinates[:-1])[:, None], (1, data.readings.shape[1]))
             (alone,) = fit_everywhere(data, effect.name, others, [start], effect.place)
             chosen[i] = alone.effect
     return tuple(chosen)
 
 
 def _named(best: Played, effect: ActiveEffect) -> Named:
-    data, parameter, x = best.data, effect.effect.parameters[0], effect.coordinates[0]
-    slope, _ = slopes_of(data, best.effects, effect, best.angles)
+    data, parameters = best.data, effect.effect.parameters
+    slopes, _ = slopes_of(data, best.effects, effect, best.angles)
+    matrix = np.einsum("irm,jrm->ij", slopes, slopes)
+    own = np.sqrt(np.maximum(np.diag(matrix), 1e-12))
+    inverse = np.linalg.pinv(matrix / np.outer(own, own), hermitian=True) / np.outer(own, own)
+    pulls = np.einsum("ij,jrm->irm", inverse, slopes)  # of a reading, on each parameter beside the others
     left, speed = (v / data.noise for v in (data.left(best.angles), data.speed(best.angles)))
-    power = max(float((slope**2).sum()), 1e-12)
-    scores, late = (
-        np.array([(slope * v)[data.trials == t].sum() for t in range(len(data.recordings))]) for v in (left, speed)
-    )
     unsure = _unsure(data, speed)
-    chance = max(1 / power, (scores**2).sum() / power**2)
-    law = effect.effect
-    clock = x * _rate_sd(data) if isinstance(law, ActuationEffect) and law.needs_seconds else 0.0
-    sd = np.sqrt(chance + (((late * unsure) ** 2).sum() + _rounding(best, slope)) / power**2 + clock**2)
-    reach = NORMAL * SYSTEMATIC * sd
-    ends = [parameter.value(float(v)) for v in (x - reach, x + reach)]
-    value = effect.parameters[parameter.name]
-    bound = (parameter.name,) if value in (parameter.lower, parameter.upper) else ()
+    law, intervals = effect.effect, {}
+    for p, x, pull, chance in zip(parameters, effect.coordinates, pulls, np.diag(inverse), strict=False):
+        scores, late = (
+            np.array([(pull * v)[data.trials == t].sum() for t in range(len(data.recordings))]) for v in (left, speed)
+        )
+        timed = isinstance(law, ActuationEffect) and law.needs_seconds and p.unit != "1"
+        clock = x * _rate_sd(data) if timed else 0.0
+        by_chance = max(float(chance), (scores**2).sum())
+        sd = np.sqrt(by_chance + ((late * unsure) ** 2).sum() + _rounding(best, pull) + clock**2)
+        reach = NORMAL * SYSTEMATIC * sd
+        intervals[p.name] = interval([p.value(float(v)) for v in (x - reach, x + reach)])
+    bound = tuple(p.name for p in parameters if effect.parameters[p.name] in (p.lower, p.upper))
     stand_in = _law_error(best, effect) > 0
-    return Named(effect, {parameter.name: interval(ends)}, _strength(data, effect), bound, stand_in)
+    return Named(effect, intervals, _strength(data, effect), bound, stand_in)
+
+
+def _numbers(effect: ActiveEffect) -> int:
+    return len(effect.effect.parameters)
 
 
 def _rate_sd(data: Plays) -> float:
@@ -217,8 +243,8 @@ def _unsure(data: Plays, speed: np.ndarray) -> np.ndarray:
     return np.where(known, most / np.sqrt(3), shown)
 
 
-def _rounding(best: Played, slope: np.ndarray) -> float:
-    """Variance of a parameter's score (its columns: slope (R, m)) by what rounding to ticks does to joints at rest."""
+def _rounding(best: Played, pull: np.ndarray) -> float:
+    """Variance of a sum over readings (R, m), in units of noise, by what rounding to ticks does to joints at rest."""
     data = best.data
     off = off_by_rounding(np.sqrt(np.maximum(data.noise**2 - TICK**2 / 12, 0.0))) / data.noise
     apart = float(np.median(np.concatenate([np.diff(t) for t in data.times])))
@@ -226,7 +252,7 @@ def _rounding(best: Played, slope: np.ndarray) -> float:
     ticks = np.round(best.angles / TICK).astype(int)
     total = 0.0
     for j, there in enumerate(resting.T):
-        shared = np.bincount(ticks[there, j] - ticks[:, j].min(), slope[there, j] * off[j])
+        shared = np.bincount(ticks[there, j] - ticks[:, j].min(), pull[there, j] * off[j])
         total += float((shared**2).sum())
     return total
 

@@ -58,5 +58,5 @@ EFFECT = Backlash(
     what_to_do="replace the horn or its screw; preload the joint",
     needs=frozenset({"servos"}),
     rank=2,
-    memory=True,
+    memory=1,
 )

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import casadi as ca
 import numpy as np
 
@@ -32,21 +30,7 @@ class ServoLag(ActuationEffect):
         duration, units = ca.SX(wave.duration), ((1, 0, 0), (0, 1, 0), (0, 0, 1))
         a, b, c = (self.respond(ca.SX(u), ca.SX(v), ca.SX(w), duration, p) for u, v, w in units)
         x, y = ca.cos(2 * ca.pi / wave.steps), -ca.sin(2 * ca.pi / wave.steps)  # 1 / z
-        real, imaginary = _ratio(c + b * x, b * y, 1 - a * x, -a * y)
-        mean, cosine, sine = wave.harmonic
-
-        def at(row: ca.SX) -> ca.SX:
-            angle = 2 * ca.pi * row / wave.steps
-            direct = cosine * ca.cos(angle) + sine * ca.sin(angle)
-            quarter_later = sine * ca.cos(angle) - cosine * ca.sin(angle)
-            return mean + real * direct + imaginary * quarter_later
-
-        return replace(wave, at=at)
-
-
-def _ratio(a: ca.SX, b: ca.SX, c: ca.SX, d: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """(a + i b) / (c + i d), its real and imaginary part."""
-    return (a * c + b * d) / (c**2 + d**2), (b * c - a * d) / (c**2 + d**2)
+        return wave.filtered((c + b * x, b * y), (1 - a * x, -a * y))
 
 
 EFFECT = ServoLag(
@@ -57,6 +41,6 @@ EFFECT = ServoLag(
     what_to_do="raise the servos' gain, lower the load, or play more slowly",
     needs=frozenset({"servos"}),
     rank=0,
-    memory=True,
+    memory=1,
     needs_seconds=True,
 )

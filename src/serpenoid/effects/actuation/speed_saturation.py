@@ -49,7 +49,7 @@ EFFECT = SpeedSaturation(
     what_to_do="charge the battery, or limit the gait's joint speed",
     needs=frozenset({"servos"}),
     rank=1,
-    memory=True,
+    memory=1,
     limits=True,
     needs_seconds=True,
 )

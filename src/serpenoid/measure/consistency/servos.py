@@ -1,8 +1,8 @@
 """A promise as servos that are late or slow keep it: the laws of the catalogue that all servos may have at once.
 
 No servo moves before it is told, and what is told last is done last: such servos make more of a short recording, and
-other corners. So where a rival is ahead, promise and rival are laid anew as each such law plays them, its one number
-where the evidence is best.
+other corners. So where a rival is ahead, promise and rival are laid anew as each such law of one number plays them, the
+number where the evidence is best.
 
 Legend: G grid points, m joints.
 """
@@ -33,7 +33,8 @@ def with_servos(signal: Sampled, found: Match, prior: Prior) -> Match:
     """The same course as the likeliest law of all servos plays it, where that is likelier than a law's prior asks."""
     if not (found.course.told and prior.damage):  # commands are compared, or what servos did
         return found
-    laws = [kind for kind in actuation_effects() if kind.place is None and kind.memory and kind.shown]
+    every = [kind for kind in actuation_effects() if kind.place is None and kind.memory and kind.shown]
+    laws = [kind for kind in every if len(kind.parameters) == 1]
     price = float(np.log(DAMAGED / max(len(laws), 1)))
     likeliest = [_likeliest(signal, found, law, prior) for law in laws]
     return max([found, *(replace(m, evidence=m.evidence + price) for m in likeliest)], key=lambda m: m.evidence)
