@@ -21,6 +21,8 @@ The extended model holds what is named. If anything is named on any stage, it al
 detection, or the first one refused) where gaits that were not fitted are predicted better with them.
 
 With a reference, that campaign is diagnosed first; what the model gets wrong there is no news.
+If something acts in some of the trials alone (a screw that came loose on the way), these are diagnosed by themselves,
+too: their answer follows, and is in changed-trials/. List trials in the order in which they were played.
 
 Writes report.html (begin there; it needs no other file), diagnosis.json, baseline-model.toml and
 extended-model.toml, figures as PNG and SVG.

@@ -22,8 +22,8 @@ from serpenoid.version import __version__
 
 RECEIPT = "inputs.json"  # what a diagnosis was made from
 HEADER = (
-    "campaign", "verdict", "effects", "alternatives", "path_rms_before_m", "path_rms_after_m", "noise_level_m",
-    "anisotropy_ratio", "drag_ratio", "drag_ratio_low", "drag_ratio_high", "seconds", "folder", "fault",
+    "campaign", "verdict", "effects", "alternatives", "changed_trials", "path_rms_before_m", "path_rms_after_m",
+    "noise_level_m", "anisotropy_ratio", "drag_ratio", "drag_ratio_low", "drag_ratio_high", "seconds", "folder", "fault",
 )  # fmt: skip
 
 
@@ -106,6 +106,7 @@ def _same(path: Path, receipt: dict[str, Any]) -> bool:
 
 
 def _answers(out: Path) -> dict[str, Any]:
+    from serpenoid.diagnose.report.sentences import changed_trials
     from serpenoid.diagnose.report.words import title
 
     record = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
@@ -114,6 +115,7 @@ def _answers(out: Path) -> dict[str, Any]:
         "verdict": record["verdict"],
         "effects": "; ".join(title(e) for e in record["effects"]),
         "alternatives": "; ".join(title(e) for e in record["alternatives"]),
+        "changed_trials": "; ".join(changed_trials(record)[:2]),
         "path_rms_before_m": rms["before"],
         "path_rms_after_m": rms["after"],
         "noise_level_m": record["noise_level_m"],
