@@ -23,7 +23,8 @@ from serpenoid.version import __version__
 RECEIPT = "inputs.json"  # what a diagnosis was made from
 HEADER = (
     "campaign", "verdict", "effects", "alternatives", "changed_trials", "path_rms_before_m", "path_rms_after_m",
-    "noise_level_m", "anisotropy_ratio", "drag_ratio", "drag_ratio_low", "drag_ratio_high", "seconds", "folder", "fault",
+    "noise_level_m", "anisotropy_ratio", "drag_ratio", "drag_ratio_low", "drag_ratio_high", "seconds", "folder",
+    "fault",
 )  # fmt: skip
 
 
