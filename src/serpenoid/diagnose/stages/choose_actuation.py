@@ -95,10 +95,12 @@ def choose_actuation(data: Plays) -> Stage:
 
 
 def _divided(best: Played, bare: Played, joint: int) -> Divided | None:
-    """Trials in which a joint (0 .. m - 1) strays from what is found of it; else from its command: a law that acts in
-    some trials alone is spread over all of them."""
+    """Trials in which a joint (0 .. m - 1) strays from what is found of it, or, where that divides them as clearly and
+    otherwise, from its command: a law that acts in some trials alone is spread over all of them."""
     found, told = (trials_astray(best.data, of.angles, joint) for of in (best, bare))
-    if told is None or not told.changed or (found is not None and found.changed):
+    if told is None or not told.changed:
+        return found
+    if found is not None and found.changed and (found.changed == told.changed or found.rest < told.rest):
         return found
     return replace(told, perhaps=True)
 
