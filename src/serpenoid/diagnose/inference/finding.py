@@ -82,15 +82,13 @@ def excludable(chi2: float, least: float, count: float, band: float, slack: floa
 @dataclass(frozen=True)
 class Divided:
     """What acts in some trials alone. words: what is said of it; changed, others: names of trials, empty where it is
-    not known which are which; perhaps: it may act in all of them, and show in some, unless those tell it by themselves;
-    rest: what the others leave at most, over what those that changed leave at least, in squares.
+    not known which are which; perhaps: it may act in all of them, and show in some, unless those tell it by themselves.
     """
 
     words: str
     changed: tuple[str, ...] = ()
     others: tuple[str, ...] = ()
     perhaps: bool = False
-    rest: float = 0.0
 
     def turned(self, before: Divided | None) -> Divided:
         """The same two sides, of which that is changed which holds more of what is changed since an earlier campaign,

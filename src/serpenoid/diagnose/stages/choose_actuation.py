@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -95,14 +96,21 @@ def choose_actuation(data: Plays) -> Stage:
 
 
 def _divided(best: Played, bare: Played, joint: int) -> Divided | None:
-    """Trials in which a joint (0 .. m - 1) strays from what is found of it, or, where that divides them as clearly and
-    otherwise, from its command: a law that acts in some trials alone is spread over all of them."""
+    """Trials in which a joint (0 .. m - 1) strays from what is found of it, or from its command, if that has fewer
+    moments or is as good: a law that acts in some trials alone is spread over all of them."""
     found, told = (trials_astray(best.data, of.angles, joint) for of in (best, bare))
     if told is None or not told.changed:
         return found
-    if found is not None and found.changed and (found.changed == told.changed or found.rest < told.rest):
+    if found is not None and found.changed and (found.changed == told.changed or _fewer_moments(best, found, told)):
         return found
     return replace(told, perhaps=True)
+
+
+def _fewer_moments(best: Played, one: Divided, other: Divided) -> bool:
+    """Whether one way to divide trials, in the order in which they were played, changes sides less often."""
+    names = [r.name for r in best.data.recordings]
+    first, second = (sum((a in d.changed) != (b in d.changed) for a, b in pairwise(names)) for d in (one, other))
+    return first < second
 
 
 def _one_more(

@@ -32,13 +32,12 @@ def trials_astray(data: Plays, played: Floats, joint: int) -> Divided | None:
         return _trend(data, played, left, joint)
     if not mine.any():
         return None
-    rest = squares[~mine].max(axis=0) / np.maximum(squares[mine].min(axis=0), 1e-300)
-    clear = rest <= LAW_ERROR**2
+    clear = squares[~mine].max(axis=0) <= LAW_ERROR**2 * squares[mine].min(axis=0)
     if not clear[joint]:
         return None
     names = [r.name for r in data.recordings]
     changed, others = (tuple(n for n, is_off in zip(names, of, strict=True) if is_off) for of in (mine, ~mine))
-    return Divided(_said(data, played, left, mine, clear, astray), changed, others, rest=float(rest[joint]))
+    return Divided(_said(data, played, left, mine, clear, astray), changed, others)
 
 
 def _said(data: Plays, played: Floats, left: Floats, mine: np.ndarray, clear: np.ndarray, astray: np.ndarray) -> str:
