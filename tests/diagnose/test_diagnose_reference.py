@@ -127,7 +127,8 @@ def test_a_habit_of_readings_is_in_both_campaigns_and_no_noise_of_their_differen
     followed: tuple[Recording, ...],
 ) -> None:
     reference, stage = _changed(followed, 1.8)  # the change is 1.1 times the habit: visible, and no sum of two of them
-    assert [n.effect.name for n in stage.named] == ["servo_lag"]
+    (named,) = stage.named  # the nearest law of all servos: none holds
+    assert named.effect.name in ("servo_lag", "servo_inertia")
     now = reference.plays(_soft(followed, 1.0))
     alike = now.left(now.realised([]))
     assert np.sqrt((alike**2).mean()) < 2 * np.sqrt((now.noise**2).mean())

@@ -119,6 +119,11 @@ def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_m
     repeated = {"verdict": "nothing", "reference": None, "noise_from": "trials"}
     assert "has changed" in meaning(repeated | {"reference": {"campaign": "healthy"}})
     assert "drag alone explains" in meaning(repeated | {"law": {"name": "viscous"}})
+    worn = {"name": "worn_wheel", "place": 2, "strength_over_noise": 0.9, "in_extended_model": True}
+    weak = worn | {"parameters": {"seizure": {"value": 0.343, "unit": "1"}}}
+    said = meaning(repeated | {"law": {"name": "viscous"}, "below_detection": [weak]})
+    assert "what windows show besides moves the path by less than its noise: worn_wheel at vertex 2" in said
+    assert "(0.9 times the noise, seizure 0.343, in the extended model)" in said
     assert "dry friction alone explains" in meaning(repeated | {"law": {"name": "coulomb"}})
 
 
@@ -311,7 +316,9 @@ def test_the_calibration_is_told_of_beside_the_reference() -> None:
     earlier = {"campaign": "healthy", "anisotropy_ratio": {"before": 0.1, "after": 0.0195}}
     said = ratio(eps | {"reference": earlier, "effects": [{}]})
     assert said == "0.0226 (95 %: 0.021 .. 0.024); 0.02871 with nothing named; 0.0195 in the reference"
-    assert "0.024) with what is below detection; 0.02871" in ratio(eps | {"reference": None, "effects": []})
+    assert "0.024) fitted beside what is below detection; 0.02871 fitted alone" in ratio(
+        eps | {"reference": None, "effects": []}
+    )
     alone = {"anisotropy_ratio": eps["anisotropy_ratio"] | {"before": 0.0226}, "reference": None, "effects": []}
     assert ratio(alone) == "0.0226 (95 %: 0.021 .. 0.024)"
     stuck = {"anisotropy_ratio": eps["anisotropy_ratio"] | {"at_bound": True}}

@@ -517,7 +517,7 @@ def test_the_duration_of_a_single_cycle_is_told_by_how_long_the_body_moves(facto
         (1e9, "1000000000", "are its times nanoseconds? Set `time_unit`, or give seconds."),
         (1e-3, "0.001", "its times were read as milliseconds: are they seconds? Set `time_unit`."),
         (1e-6, "0.000001", "its times were read as microseconds: are they seconds? Set `time_unit`."),
-        (1e-5, "0.00001", "are its times those of this motion, and in seconds (`time_unit`)?"),
+        (1e-5, "0.00001", "are its times in seconds (`time_unit`), and those of this motion alone (`from_s`, `to_s`)?"),
     ],
 )
 def test_times_in_another_unit_are_told_before_anything_is_laid_over_anything(many, runs, cure, cycles):

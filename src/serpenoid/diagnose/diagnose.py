@@ -51,6 +51,9 @@ if TYPE_CHECKING:
 
 SCORES = 20  # the best candidates, in the record
 RELAID = 3  # a clock that play has drawn aside by 1 ms is off by 0.05 ms after the first
+OTHER_CYCLES = (
+    "cycles do not last as long as `cycle_duration_s` says (the last note has both): mend it, or the film's frame rate"
+)
 NO_LOG = "no servo log: shapes are what the points show"
 
 
@@ -255,6 +258,12 @@ def _rows(recordings: Sequence[Recording], baseline: Baseline) -> dict[str, Any]
     return {"rows_held": held, "rows_from": source, "lag_untold": untold}
 
 
+def _other_cycles(d: Diagnosis) -> list[str]:
+    """That cycles last longer or shorter than the campaign says, where something is left that this may be behind."""
+    asked = any(r.asked_cycle_s for r in _read(d.motion.selection.motion))
+    return [OTHER_CYCLES] if asked and not all(stage.settled for stage in d.stages) else []
+
+
 def _held_out(d: Diagnosis) -> str:
     """What is predicted by fits to the others."""
     motion = d.motion.selection.motion
@@ -318,7 +327,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "skipped": {stage.name: stage.skipped for stage in d.stages if stage.skipped},
         "untestable": {name: why for stage in d.stages for name, why in stage.untestable.items()},
         "residual_pattern": list(d.words),
-        "mend_first": [stage.mend for stage in d.stages if stage.mend],
+        "mend_first": [*(stage.mend for stage in d.stages if stage.mend), *_other_cycles(d)],
         "used_s": usage.used_s,
         "dropped_s": usage.dropped_s,
         "remarks": [*d.baseline.remarks, *remarks(found.motion.tracks)],

@@ -59,8 +59,12 @@ def meaning(record: Record) -> str:
         return "nothing has changed since the reference beyond the noise of either"
     if record.get("changed_trials"):
         return "something acts in some of the trials alone: see `changed trials`"
+    if record["verdict"] == "nothing" and (weak := undetected(record)):
+        weaker = f"; what windows show besides moves the path by less than its noise: {few(weak)}"
+    else:
+        weaker = ""
     hiding = record["verdict"] in SETTLED and (record.get("noise_over_markers") or 0.0) > OTHER_CHANCE
-    return MEANINGS[record["verdict"]].format(law=law(record)) + HIDING * hiding
+    return MEANINGS[record["verdict"]].format(law=law(record)) + weaker + HIDING * hiding
 
 
 def _stage(effect: Record) -> str:
@@ -114,10 +118,15 @@ def undetected(record: Record) -> list[str]:
     """Effects below detection: they improve the prediction, but noise makes traces as large."""
     kept = {True: ", in the extended model", False: ""}
     return [
-        f"{title(e)} ({times(e['strength_over_noise'])}{kept[e['in_extended_model']]})"
-        for e in record["below_detection"]
+        f"{title(e)} ({times(e['strength_over_noise'])}{_roughly(e)}{kept[e['in_extended_model']]})"
+        for e in record.get("below_detection", [])
         if e["strength_over_noise"] >= TRACELESS
     ]
+
+
+def _roughly(effect: Record) -> str:
+    """Values of what is too weak to have intervals."""
+    return "".join(f", {name} {shown(p['value'], p['unit'])}" for name, p in effect.get("parameters", {}).items())
 
 
 def instead(effect: Record, record: Record) -> list[str]:
@@ -218,9 +227,9 @@ def ratio(record: Record) -> str:
     how = ", window by window" if record.get("drag_ratio") else ""  # `fit` goes from frame to frame
     said = [f"{eps['after']:.4g} (95 %: {low:.4g} .. {high:.4g}{how})"]
     if not record["effects"] and eps["after"] != eps["before"]:
-        said[0] += " with what is below detection"
+        said[0] += " fitted beside what is below detection"
     if record["effects"] or eps["after"] != eps["before"]:
-        said.append(f"{eps['before']:.4g} with nothing named")
+        said.append(f"{eps['before']:.4g} {'with nothing named' if record['effects'] else 'fitted alone'}")
     said += [f"{_told_beside(record):.4g} in the reference"] if record["reference"] else []
     said += ["at its bound: a warning that the law is another"] if eps["at_bound"] else []
     return "; ".join(said)

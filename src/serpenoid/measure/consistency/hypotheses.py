@@ -40,6 +40,7 @@ ANGLE_WORDS = {"rad": "radians", "deg": "degrees", "ticks": "ticks of a servo"}
 FARTHEST = 100.0  # times as long or as short as the schedule: no frame rate, only a unit or other times make so much
 NEAR = 0.05  # a schedule nearer than the clocks that `match` tries is no other hypothesis
 ROUGHLY = 0.25  # the same where nothing but a unit makes so much: an only cycle's length is known by where it ends
+MOTION_ALONE = "are its times in seconds (`time_unit`), and those of this motion alone (`from_s`, `to_s`)?"
 IN_ONE_FILM = ", in one film"  # what of a kind that is wrong everywhere may be so in a single trial
 KINDS = 9  # of faults, alike in prior odds
 
@@ -222,7 +223,9 @@ def resolved(seconds: float, each_s: float) -> str:
 
 
 def rounded(number: float) -> str:
-    """Three digits, and no power of ten."""
+    """Three digits, and no power of ten where a reader can count the zeros."""
+    if number and not 1e-9 < abs(number) < 1e12:
+        return f"{number:.0e}"
     return np.format_float_positional(number, precision=3, fractional=False, trim="-")
 
 
@@ -240,7 +243,7 @@ def other_unit(longer: float) -> tuple[str, str] | None:
     """Words and cure where a motion lasts so many times as long as the schedule that nothing but a unit makes."""
     if not longer > 0 or 1 / FARTHEST < longer < FARTHEST:
         return None
-    cure = in_other_unit(longer, ROUGHLY) or "are its times those of this motion, and in seconds (`time_unit`)?"
+    cure = in_other_unit(longer, ROUGHLY) or MOTION_ALONE
     return f"run {rounded(10.0 ** round(np.log10(longer)))} times as long as the schedule", cure
 
 
