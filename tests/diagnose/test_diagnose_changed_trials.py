@@ -91,6 +91,14 @@ def test_what_was_there_and_is_mended_acts_in_the_first_trials() -> None:
     assert free.others == bound.changed == tuple(f"t{i}" for i in range(6))
 
 
+def test_what_acts_amid_the_second_round_is_not_what_does_not_act_amid_the_first() -> None:
+    """Of a wheel both say the same of every pair; it is the shorter story that it was healthy before and after."""
+    theta = np.where((np.arange(12) >= 8) & (np.arange(12) < 10), 8.0, 0.0)
+    found = told(theta, np.random.default_rng(8), sign=1)
+    assert found is not None
+    assert found.changed == ("t8", "t9")
+
+
 def test_a_cause_of_another_size_in_each_trial_has_no_moment() -> None:
     """Weather: in each trial another floor. False alarms are no more than the stated one in a hundred, beginnings,
     growth and what goes again together three."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
@@ -89,17 +89,6 @@ class Divided:
     changed: tuple[str, ...] = ()
     others: tuple[str, ...] = ()
     perhaps: bool = False
-
-    def turned(self, before: Divided | None) -> Divided:
-        """The same two sides, of which that is changed which holds more of what is changed since an earlier campaign,
-        if that is known; as is told by both."""
-        if before is None:
-            return self
-        words = f"{self.words}; {before.words}"
-        theirs = set(before.changed)
-        if len(theirs & set(self.others)) > len(theirs & set(self.changed)):
-            return replace(self, words=words, changed=self.others, others=self.changed)
-        return replace(self, words=words)
 
 
 def alone(changed: Sequence[str], others: Sequence[str]) -> str:

@@ -19,7 +19,7 @@ Legend: T trials, P pairs, K windows that were played twice, S ways to divide tr
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -114,17 +114,24 @@ class _Found:
     rests: np.ndarray
 
 
-def one_cause_in_some(motion: Motion, found: Fit) -> Divided | None:
-    """By what repeats differ by, if it is one cause with its moment; None where it is not, or nothing tells."""
+def one_cause_in_some(motion: Motion, found: Fit, since: Collection[str] = ()) -> Divided | None:
+    """By what repeats differ by, if it is one cause with its moment; None where it is not, or nothing tells.
+
+    since: trials that do not move as in an earlier campaign, if that is known.
+    """
     played = pairs(motion.tracks)
     if len(played) < FEW or any(t.noise is not None for t in motion.tracks):
         return None
     differ, causes = _causes(motion, found)
-    return divided(differ, causes, played, [t.recording.name for t in motion.tracks])
+    return divided(differ, causes, played, [t.recording.name for t in motion.tracks], since)
 
 
 def divided(
-    differ: Differ, causes: Sequence[Cause], played: Sequence[tuple[int, int]], names: Sequence[str]
+    differ: Differ,
+    causes: Sequence[Cause],
+    played: Sequence[tuple[int, int]],
+    names: Sequence[str],
+    since: Collection[str] = (),
 ) -> Divided | None:
     """Trials, by name, of which pairs differ so, as causes tell; None where none has its moment."""
     squares = differ.total
@@ -135,7 +142,8 @@ def divided(
     for one, again in played:  # in order: one more than the repeat before it
         later[again] = later[one] + 1
     runs = ([np.arange(count)], list(_begun(count)), list(_gone(count)), [later])
-    grew, began, went, each = (_best(causes, differ, played, of) for of in runs)
+    strays = np.array([name in since for name in names])
+    grew, began, went, each = (_best(causes, differ, played, of, strays) for of in runs)
     best = began if _told(began, squares) else None
     for other in (grew, went):
         if _told(other, squares) and (best is None or other.left < LAW_ERROR**2 * best.left):
@@ -213,20 +221,37 @@ def _gone(count: int) -> Iterator[np.ndarray]:
 
 
 def _best(
-    causes: Sequence[Cause], differ: Differ, pairs: Sequence[tuple[int, int]], runs: Sequence[np.ndarray]
+    causes: Sequence[Cause],
+    differ: Differ,
+    pairs: Sequence[tuple[int, int]],
+    runs: Sequence[np.ndarray],
+    strays: np.ndarray,
 ) -> _Found:
     """Of all causes at all moments. Moments that divide no pair otherwise are one; trials in which these do not agree
-    belong to neither side."""
+    belong to neither side. strays: trials (T,) that do not move as they did in an earlier campaign."""
     alike: dict[tuple[int, ...], list[np.ndarray]] = {}
     for run in runs:
         alike.setdefault(tuple(int(run[b]) - int(run[a]) for a, b in pairs), []).append(run)
     signs = np.array(list(alike), dtype=float)
     gains = np.array([c.gains(signs) for c in causes])
     at, moment = (int(i) for i in np.unravel_index(int(gains.argmax()), gains.shape))
-    cause, gained = causes[at], float(gains[at, moment])
-    chance = cause.chance(signs[moment], differ) * len(alike)
-    same = np.array(list(alike.values())[moment])
-    acts, rests = np.asarray(same.all(axis=0)), np.asarray(~same.any(axis=0))
-    if cause.sign * float((signs[moment] @ cause.score)[0]) < 0:  # it was there, and is no more
-        acts, rests = rests, acts
-    return _Found(max(differ.total - gained, 0.0), cause.called, chance, acts, rests)
+    cause, best = causes[at], signs[moment]
+    chance = cause.chance(best, differ) * len(alike)
+    size = float((best @ cause.score)[0])
+    ways = [(size, alike[key]) for key in alike if key == tuple(best)]
+    ways += [(-size, alike[key]) for key in alike if key == tuple(-best)]  # the same, undone
+    acts, rests = _sides(cause.sign, ways, strays)
+    return _Found(max(differ.total - float(gains[at, moment]), 0.0), cause.called, chance, acts, rests)
+
+
+def _sides(
+    sign: int, ways: Sequence[tuple[float, Sequence[np.ndarray]]], strays: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Trials (T,) in which a cause acts, and does not, of several ways to say so, by its size in each: what agrees best
+    with an earlier campaign, or the latest that its sign allows; if none is, it was there and is no more."""
+    every = [(size, np.all(runs, axis=0), ~np.any(runs, axis=0)) for size, runs in ways]
+    undone = [(-size, rests, acts) for size, acts, rests in every]
+    here, there = ([(acts, rests) for size, acts, rests in some if sign * size >= 0] for some in (every, undone))
+    if strays.any():
+        return max([*here, *there], key=lambda of: int((of[0] & strays).sum()) + int((of[1] & ~strays).sum()))
+    return max(here or there, key=lambda of: float(np.flatnonzero(of[0]).mean()) if of[0].any() else -1.0)

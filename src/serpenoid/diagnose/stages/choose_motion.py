@@ -329,8 +329,10 @@ def _left_over(found: Selection, parts: Differing | None, mend: bool) -> tuple[t
     motion, predictions = found.motion, _predicted(found, parts)
     eps = found.settled.model.medium.anisotropy_ratio
     words = pattern(motion, predictions, path_error(motion, predictions, mend))
-    cause, differ = one_cause_in_some(motion, found.settled), more_than_before(motion, predictions, found.null.model)
-    divided = differ if cause is None else cause.turned(differ)
+    divided = differ = more_than_before(motion, predictions, found.null.model)
+    cause = one_cause_in_some(motion, found.settled, () if differ is None else differ.changed)
+    if cause is not None:
+        divided = cause if differ is None else replace(cause, words=f"{cause.words}; {differ.words}")
     floors = () if divided is not None else as_floors_do(motion, predictions, eps)
     if divided is None and words and not floors:
         divided = after_some(motion, found.null.model)
