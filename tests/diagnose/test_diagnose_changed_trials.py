@@ -53,7 +53,7 @@ def test_what_began_amid_the_campaign_is_told_with_its_trials() -> None:
     assert not found.perhaps
     assert found.others == ("t0", "t1", "t2")
     assert found.changed == tuple(f"t{i}" for i in range(3, 12))
-    assert "(to first order `one`) that acts in all but `t0`, `t1` and `t2`" in found.words
+    assert "(to first order `one`) by which `t0`, `t1` and `t2` differ from the other trials" in found.words
 
 
 def test_between_two_rounds_growth_looks_like_a_beginning() -> None:
@@ -61,7 +61,7 @@ def test_between_two_rounds_growth_looks_like_a_beginning() -> None:
     assert found is not None
     assert found.perhaps
     assert found.changed == tuple(f"t{i}" for i in range(6, 12))
-    assert found.words.endswith("or grows from trial to trial")
+    assert found.words.endswith("or which grows from trial to trial")
 
 
 def test_what_grows_from_trial_to_trial_is_told_where_pairs_are_unlike() -> None:

@@ -31,11 +31,12 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.repeats import pairs, repeats
 from serpenoid.diagnose.data.windows import columns_of, predictions
-from serpenoid.diagnose.inference.finding import Divided, alone
+from serpenoid.diagnose.inference.finding import Divided
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.medium import Fit, candidates_of
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.simulation.sensitivity import EPS, Column
+from serpenoid.wording import listed
 
 MOST = 0.5  # of the squares that repeats differ by: then it is what they differ by
 FEW = 3  # pairs: two lie on a line with any third number
@@ -157,9 +158,10 @@ def divided(
         return Divided(f"something changes all through the campaign: {share} that grows from trial to trial")
     changed, others = (tuple(n for n, x in zip(names, of, strict=True) if x) for of in (best.acts, best.rests))
     perhaps = _told(grew, squares) and grew.left < best.left / LAW_ERROR**2
-    instead = ", or grows from trial to trial" if perhaps else ""
-    where = f"acts in {alone(changed, others)}{instead}"
-    return Divided(f"something changed amid the campaign: {share} that {where}", changed, others, perhaps)
+    instead = ", or which grows from trial to trial" if perhaps else ""
+    few = min(changed, others, key=len)
+    apart = f"{listed([f'`{name}`' for name in few])} differ{'' if few[1:] else 's'} from the other trials{instead}"
+    return Divided(f"something changed amid the campaign: {share} by which {apart}", changed, others, perhaps)
 
 
 def _told(found: _Found, squares: float) -> bool:
