@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from serpenoid.diagnose.data.columns import all_keys
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import over_markers
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_error, total
 from serpenoid.diagnose.data.recording import Recording, held_out_by
-from serpenoid.diagnose.data.relaid import relaid
 from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.tracked import TrackedRecording
 from serpenoid.diagnose.data.used import length_unit, parameter_unit, remarks, used
@@ -40,6 +40,7 @@ from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.choose_tracked import choose_tracked
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.stages.ladder import Climbed, Step, motion_step, motion_steps, shape_steps
+from serpenoid.diagnose.stages.laid_beside import laid_beside, of_play
 from serpenoid.diagnose.stages.ratio_change import RatioChange, ratio_changed
 from serpenoid.diagnose.stages.values_of_motion import ratio_interval
 from serpenoid.diagnose.stages.witness import of_servos
@@ -136,11 +137,27 @@ def diagnose(
 
 
 def _seen(recordings: Sequence[Recording], baseline: Baseline) -> tuple[Stage, Observation, tuple[Recording, ...]]:
-    """The stage of observation, by clocks that are laid over each other again beside what it finds."""
+    """The stage of observation, by clocks that are laid over each other again beside what it finds; where something is
+    left, also by clocks that are laid beside play at every joint, if that leaves less."""
+    found = _by_clocks(recordings, baseline)
+    play = of_play(recordings, baseline.without)
+    if found[0].settled or not play:
+        return found
+    again, moved = laid_beside(recordings, baseline.observation(), play)
+    other = _by_clocks(again, baseline) if moved else found
+    return other if other[0].left < found[0].left else found
+
+
+def _by_clocks(recordings: Sequence[Recording], baseline: Baseline) -> tuple[Stage, Observation, tuple[Recording, ...]]:
+    """The same, from these clocks on."""
+    every = set(all_keys(recordings[0].body))
     for _ in range(RELAID):
         stage, seen = choose_observation(recordings, baseline.observation(), baseline.without, baseline.squares)
-        again, moved = relaid(recordings, seen)
-        if not seen.corrects or not moved:
+        if not seen.corrects:
+            break
+        keys = [n.effect.key for n in (*stage.named, *stage.undetected) if n.effect.key in every]
+        again, moved = laid_beside(recordings, baseline.observation(), keys)
+        if not moved:
             break
         recordings = again
     return stage, seen, tuple(recordings)
