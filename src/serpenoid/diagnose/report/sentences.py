@@ -277,7 +277,8 @@ def drag_ratio(record: Record) -> str:
     """K of an animal with its interval, if its law of the floor is all there is; else beside what is named, too."""
     ratio = record["drag_ratio"]
     low, high = ratio["interval"]
-    interval = f"(95 %: {low:.4g} .. {high:.4g}, frame by frame as in `fit`)"
+    how = ", frame by frame as in `fit`" if ratio.get("by_frames", True) else ""  # older answers do not say
+    interval = f"(95 %: {low:.4g} .. {high:.4g}{how})"
     if not record["effects"]:
         return f"{ratio['value']:.4g} {interval} if {law(record)} is all there is"
     eps = record["anisotropy_ratio"]
