@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import count
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -22,7 +23,7 @@ from serpenoid.diagnose.drag_ratio import drag_ratio_of
 from serpenoid.diagnose.inference import laws
 from serpenoid.diagnose.inference.finding import Stage
 from serpenoid.diagnose.inference.laws import by_its_own_numbers, on_rival, rival_laws
-from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
+from serpenoid.diagnose.inference.medium import Fit, coordinates_of, fit, fit_eps, linearised
 from serpenoid.diagnose.inference.select import Selection, calibrated
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import GUESS, MotionFinding, choose_on_tracks
@@ -93,6 +94,34 @@ def test_a_law_that_leaves_more_than_what_is_named_is_told_so(
     said = asked(*on_dry(dragged))
     assert "by 18.6 times the noise and linear drag by 62.1" in said
     assert "the medium may follow neither" in said
+
+
+@pytest.mark.parametrize(
+    ("loads", "by_itself", "searched"),
+    [
+        ((), 4.0, False),  # as drag with what is named leaves less, and needs little
+        ((3,), 4.0, False),
+        ((1, 3), 4.0, True),
+        ((1, 3), 40.0, False),  # more than a third of what drag leaves
+    ],
+)
+def test_beside_the_nearest_law_names_are_looked_for_where_drag_needs_one_effect_at_several_places(
+    loads: tuple[int, ...],
+    by_itself: float,
+    searched: bool,
+    dragged: tuple[Motion, Fit],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    motion, null = on_dry(dragged)
+    effects = [ActiveEffect.of("load", vertex, share=0.01) for vertex in loads]
+    best = fit(motion, null.model, effects, coordinates_of(null.model, effects), 0)
+    more = count()
+    monkeypatch.setattr(laws, "misses", lambda *_: [62.1, 1.2, by_itself + next(more), 3.0])
+    found = rival_laws(Selection(best, (), best, (), (), motion, null, 1.0, ()))
+    assert [r.promising for r in sorted(found.values(), key=lambda r: r.alone)] == [
+        searched,
+        *[False] * (len(found) - 1),
+    ]
 
 
 def test_dry_friction_is_judged_as_who_follows_the_advice_will_have_it(
