@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+OTHER_LAW = "may stand for another law of the floor or the water"  # ends what it says of names that mend one
 NOT_NAMED = "not named, as "  # begins what a diagnosis says of effects that it tried and refused
 
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import count
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -10,16 +13,20 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.folder import write
 from serpenoid.body import Floats
+from serpenoid.diagnose import drag_ratio as told_ratio
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import held_out_labels
 from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.diagnose import Diagnosis
+from serpenoid.diagnose.drag_ratio import drag_ratio_of
 from serpenoid.diagnose.inference import laws
+from serpenoid.diagnose.inference.finding import Stage
 from serpenoid.diagnose.inference.laws import by_its_own_numbers, on_rival, rival_laws
-from serpenoid.diagnose.inference.medium import Fit, fit_eps, linearised
+from serpenoid.diagnose.inference.medium import Fit, coordinates_of, fit, fit_eps, linearised
 from serpenoid.diagnose.inference.select import Selection, calibrated
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_motion import GUESS, choose_on_tracks
+from serpenoid.diagnose.stages.choose_motion import GUESS, MotionFinding, choose_on_tracks
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.media import LAWS
@@ -87,6 +94,34 @@ def test_a_law_that_leaves_more_than_what_is_named_is_told_so(
     said = asked(*on_dry(dragged))
     assert "by 18.6 times the noise and linear drag by 62.1" in said
     assert "the medium may follow neither" in said
+
+
+@pytest.mark.parametrize(
+    ("loads", "by_itself", "searched"),
+    [
+        ((), 4.0, False),  # as drag with what is named leaves less, and needs little
+        ((3,), 4.0, False),
+        ((1, 3), 4.0, True),
+        ((1, 3), 40.0, False),  # more than a third of what drag leaves
+    ],
+)
+def test_beside_the_nearest_law_names_are_looked_for_where_drag_needs_one_effect_at_several_places(
+    loads: tuple[int, ...],
+    by_itself: float,
+    searched: bool,
+    dragged: tuple[Motion, Fit],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    motion, null = on_dry(dragged)
+    effects = [ActiveEffect.of("load", vertex, share=0.01) for vertex in loads]
+    best = fit(motion, null.model, effects, coordinates_of(null.model, effects), 0)
+    more = count()
+    monkeypatch.setattr(laws, "misses", lambda *_: [62.1, 1.2, by_itself + next(more), 3.0])
+    found = rival_laws(Selection(best, (), best, (), (), motion, null, 1.0, ()))
+    assert [r.promising for r in sorted(found.values(), key=lambda r: r.alone)] == [
+        searched,
+        *[False] * (len(found) - 1),
+    ]
 
 
 def test_dry_friction_is_judged_as_who_follows_the_advice_will_have_it(
@@ -168,8 +203,39 @@ def test_a_law_that_nobody_states_is_taken_where_it_leaves_little_and_drag_much(
         assert not found.stage.named
         assert {e.name for e in found.baseline.known} == {"creep"}  # type: ignore[union-attr]
         assert found.selection.best.model.medium.anisotropy_ratio == pytest.approx(EPS, rel=0.01)
+        ratio = drag_ratio_of(answered(found), campaign=None, begun=null.model.medium)  # type: ignore[arg-type]
+        assert ratio.low < 1 / EPS < ratio.high < 1.03 * ratio.low
+        assert ratio.value == 1 / found.selection.settled.model.medium.anisotropy_ratio
+        assert not ratio.by_frames  # `fit` knows nothing of creep
     else:
         assert law in found.stage.laws
+
+
+def answered(found: MotionFinding) -> Diagnosis:
+    """As much of a diagnosis as K is told by."""
+    return cast(Diagnosis, SimpleNamespace(motion=found, named=found.stage.named))
+
+
+def test_k_of_a_law_without_numbers_of_its_own_is_that_of_a_fit_by_this_law(
+    dragged: tuple[Motion, Fit], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    motion, null = dragged
+    quick = on_rival(null.model, LAWS["quadratic"])
+    assert quick is not None
+    alone = replace(null, model=quick)
+    found = Selection(alone, (), alone, (), (), motion, alone, 1.0, ())
+    asked_of: list[Model] = []
+
+    def fitted(campaign: object, model: Model) -> Any:
+        asked_of.append(model)
+        return SimpleNamespace(names=("anisotropy_ratio",), values=np.array([0.25]))
+
+    monkeypatch.setattr(told_ratio, "anisotropy", fitted)
+    monkeypatch.setattr(told_ratio, "drag_ratio", lambda found, model: (4.0, 3.9, 4.1))
+    answer = answered(MotionFinding(Stage("motion"), found, (), 1.0, 1.0))
+    ratio = drag_ratio_of(answer, SimpleNamespace(body=null.model.body), Medium(anisotropy_ratio=0.4))  # type: ignore[arg-type]
+    assert ratio == told_ratio.DragRatio(4.0, 3.9, 4.1, by_frames=True)
+    assert [(m.medium.law, m.medium.anisotropy_ratio) for m in asked_of] == [("quadratic", 0.4)]
 
 
 def test_on_linear_drag_no_other_law_is_taken(dragged: tuple[Motion, Fit]) -> None:

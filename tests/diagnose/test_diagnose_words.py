@@ -151,6 +151,9 @@ def test_k_of_dry_friction_is_not_told_as_one_of_drag() -> None:
     record = {"drag_ratio": {"value": 2.719, "interval": [2.718, 2.72]}, "law": {"name": "coulomb"}, "effects": []}
     assert "if dry friction is all there is" in drag_ratio(record)
     assert "if drag is all there is" in drag_ratio(record | {"law": {"name": "viscous"}})
+    assert "frame by frame" in drag_ratio(record)
+    by_windows = {"drag_ratio": record["drag_ratio"] | {"by_frames": False}}  # type: ignore[operator]
+    assert drag_ratio(record | by_windows) == "2.719 (95 %: 2.718 .. 2.72) if dry friction is all there is"
 
 
 def test_k_beside_what_is_named_is_that_of_the_ratio_on_the_same_screen() -> None:

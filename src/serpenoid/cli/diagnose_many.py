@@ -59,7 +59,7 @@ def run_many(args: argparse.Namespace) -> int:
 
 def _line(row: dict[str, Any]) -> str:
     """Campaign, verdict, what was named or went wrong; of an animal K, too."""
-    ratio = [f"K {row['drag_ratio']:.3g} if drag is all there is"] if row["drag_ratio"] else []
+    ratio = [f"K {row['drag_ratio']:.3g} with nothing named"] if row["drag_ratio"] else []
     said = "; ".join([row["effects"] or row["fault"] or "", *ratio]).removeprefix("; ")
     return f"{row['campaign']:24} {row['verdict'] or 'failed':18} {said}".rstrip()
 

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from serpenoid.compare.calibrate import anisotropy, drag_ratio
 from serpenoid.diagnose.changed_trials import with_changed_trials
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.tracked import tracked_recordings
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
+from serpenoid.diagnose.drag_ratio import drag_ratio_of
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import Searched
 from serpenoid.diagnose.stages.ladder import Climbed
@@ -29,7 +29,6 @@ from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.consistency.claims import Reader, read_believed
 from serpenoid.measure.load import load_campaign
-from serpenoid.model import Model
 
 Reading = Callable[[int, int, str], None]  # trials read, of how many, name of the next
 
@@ -67,9 +66,7 @@ def diagnose_campaign(
         begun = baseline(model, file, tracked[0].body)
         known = taken_for_granted(begun, law_is_open(model, file), without, notice)
         found = diagnose_tracked(tracked, known, say, searched)
-        plain = Model(read.body, begun.medium)
-        ratio = drag_ratio(anisotropy(read, plain), plain)
-        return file, replace(found, drag_ratio=ratio)
+        return file, replace(found, drag_ratio=drag_ratio_of(found, read, begun.medium))
     check_body(model, file)
     if unlike := unlike_body(model, file):
         notice(unlike)

@@ -59,13 +59,23 @@ NO_LOG = "no servo log: shapes are what the points show"
 
 
 @dataclass(frozen=True)
+class DragRatio:
+    """K of an animal and its 95 % interval; by_frames: as `fit` has it, else 1 / eps of the answer's windows."""
+
+    value: float
+    low: float
+    high: float
+    by_frames: bool
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """Verdict, stages from top to bottom, the motion's evidence, and scores on held-out gaits before and after.
 
     held_out: every trial predicted by a fit to the other gaits, baseline and extended.
     baseline: what was taken for granted; seen: the observation model; extension: the fit that the extended model takes
-    over, with what is too weak to be named where paths of held-out gaits need it. drag_ratio: of an animal, K and its
-    95 % interval if drag is all there is, as `fit` says. changed: trials in which something acts alone, if it does.
+    over, with what is too weak to be named where paths of held-out gaits need it. drag_ratio: of an animal, K if the
+    law of the answer is all there is. changed: trials in which something acts alone, if it does.
     """
 
     verdict: str
@@ -78,7 +88,7 @@ class Diagnosis:
     after: Scores
     held_out: tuple[tuple[Prediction, ...], tuple[Prediction, ...]]
     ladder: tuple[Step, ...]
-    drag_ratio: tuple[float, float, float] | None = None
+    drag_ratio: DragRatio | None = None
     ratio_change: RatioChange | None = None
     changed: ChangedTrials | None = None
 
@@ -300,8 +310,7 @@ def _ratio_interval(d: Diagnosis) -> tuple[float, float]:
     low, high = ratio_interval(d.motion.selection, d.motion.stage)
     if d.drag_ratio is None or d.named:
         return low, high
-    _, least, most = d.drag_ratio
-    return min(low, 1 / most), max(high, 1 / least)
+    return min(low, 1 / d.drag_ratio.high), max(high, 1 / d.drag_ratio.low)
 
 
 def record(d: Diagnosis) -> dict[str, Any]:
@@ -332,7 +341,10 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "law": {"name": law, "taken": taken or None, "rivals": rivals, "drag_at": d.motion.stage.drag_at},
         "discrepancy_m": d.motion.stage.discrepancy_m,
         "parts_differ_by": d.motion.stage.unlike or None,
-        "drag_ratio": d.drag_ratio and {"value": d.drag_ratio[0], "interval": list(d.drag_ratio[1:])},
+        "drag_ratio": d.drag_ratio and {
+            "value": d.drag_ratio.value, "interval": [d.drag_ratio.low, d.drag_ratio.high],
+            "by_frames": d.drag_ratio.by_frames,
+        },
         "gain": gain_record(d.before, d.after),
         "held_out": _held_out(d),
         "left_open_m": total(open_m), "left_open_by_gait_m": of_each_gait(found.motion, open_m),

@@ -5,6 +5,7 @@ A law has eps and perhaps numbers of its own (the speed below which dry friction
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, product
@@ -16,6 +17,8 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.windows import Track
+from serpenoid.diagnose.inference.bounds import ratio_at_bound
+from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.select import Selection, unclear
@@ -37,14 +40,17 @@ SOFTENING = Medium.model_fields["softening"].default
 @dataclass(frozen=True)
 class Rival:
     """A law that was fitted beside another: its model, with its own numbers and without what is named; how it does, in
-    words, empty where it does worse; what it misses windows by, over the noise; better: whether that is less than what
-    the other law does with what is named; promising: whether it is worth a search beside it."""
+    words, empty where it does worse; what it misses windows by, over the noise, and by itself; better: whether that is
+    less than what the other law does with what is named; promising: whether it is worth a search beside it; nearly:
+    whether by itself it leaves less than LAW_ERROR of what the other law does by itself."""
 
     model: Model
     words: str
     misses: float
+    alone: float
     better: bool
     promising: bool
+    nearly: bool
 
 
 def rival_laws(found: Selection, without: Collection[str] = ()) -> dict[str, Rival]:
@@ -55,7 +61,22 @@ def rival_laws(found: Selection, without: Collection[str] = ()) -> dict[str, Riv
     asked = [on_rival(found.null.model, law) for law in rivals(found.null.model.law)]
     tried = [_beside(found, model, without) for model in asked if model is not None]
     rivals_found = sorted((r for r in tried if r is not None), key=lambda r: r.misses)
-    return {rival.model.law.name: rival for rival in rivals_found}
+    return {rival.model.law.name: rival for rival in _with_the_nearest(found, rivals_found)}
+
+
+def _with_the_nearest(found: Selection, several: Sequence[Rival]) -> list[Rival]:
+    """Rivals; where the law needs what mends one, that which by itself is nearest is promising, too: it may need fewer
+    names. One search is all that this costs."""
+    nearest = min((r for r in several if r.nearly), key=lambda r: r.alone, default=None)
+    if nearest is None or nearest.promising or not mended(found):
+        return list(several)
+    return [replace(r, promising=r is nearest or r.promising) for r in several]
+
+
+def mended(found: Selection) -> bool:
+    """Whether a law needs one effect at several places, or eps at its bound, to explain what is there."""
+    places = Counter(e.name for e in found.best.effects if e.place is not None)
+    return max(places.values(), default=0) > 1 or any(ratio_at_bound(f.model) for f in (found.null, found.best))
 
 
 def _beside(found: Selection, model: Model, without: Collection[str]) -> Rival | None:
@@ -80,7 +101,8 @@ def _beside(found: Selection, model: Model, without: Collection[str]) -> Rival |
         )
     less = [beyond_chance(a) <= SEARCHED * beyond_chance(b) for a, b in ((its, own), (its_named, own_named))]
     said = words if better or its < own else ""
-    return Rival(alone.model, said, min(its, its_named), better, better and any(less))
+    nearly = beyond_chance(its) < LAW_ERROR * beyond_chance(own)
+    return Rival(alone.model, said, min(its, its_named), its, better, better and any(less), nearly)
 
 
 def beyond_chance(left: float) -> float:
@@ -112,7 +134,7 @@ def takes_its_place(found: Selection, other: Selection, left: Misfits, most: flo
     """Whether what is named beside another law is likelier than what is named beside the law (Schwarz, as in
     prices.py), and leaves less than a share of what the law alone does beyond chance."""
     count = float(found.best.evidence.count.sum())
-    dearer = max(1.0, left.beside**2) * (_price(other, count) - _price(found, count))
+    dearer = max(1.0, min(left.named, left.beside) ** 2) * (_price(other, count) - _price(found, count))
     likelier = count * (left.named**2 - left.beside**2) > dearer
     return likelier and beyond_chance(left.beside) < most * beyond_chance(left.alone)
 

@@ -20,7 +20,7 @@ from serpenoid.diagnose.report.words import (
 )
 from serpenoid.effects.catalogue import find
 from serpenoid.media import DEFAULT, LAWS
-from serpenoid.wording import NOT_NAMED
+from serpenoid.wording import NOT_NAMED, OTHER_LAW
 
 UNSAID = (
     "the log does not say when rows were due: it has no labels, and its commands are not the table's",
@@ -89,6 +89,8 @@ def _why_doubted(record: Record, seen: bool) -> str:
         return f"the model is off by {size} a window beyond the noise; stand-ins take away a part of that"
     if seen or any(w.startswith("observation: ") for w in record["residual_pattern"]):
         return "stand-ins of the floor rest on markers whose errors are not understood"
+    if any(w.endswith(OTHER_LAW) for w in record["residual_pattern"]):
+        return "names that take at some places what they give at others may stand for another law"
     if record["verdict"] not in SETTLED and not _beside_wrong(record):
         return "beside what is named, paths are off by more than the noise"
     if record.get("parts_differ_by"):
@@ -286,7 +288,8 @@ def drag_ratio(record: Record) -> str:
     """K of an animal with its interval, if its law of the floor is all there is; else beside what is named, too."""
     ratio = record["drag_ratio"]
     low, high = ratio["interval"]
-    interval = f"(95 %: {low:.4g} .. {high:.4g}, frame by frame as in `fit`)"
+    how = ", frame by frame as in `fit`" if ratio.get("by_frames", True) else ""  # older answers do not say
+    interval = f"(95 %: {low:.4g} .. {high:.4g}{how})"
     if not record["effects"]:
         return f"{ratio['value']:.4g} {interval} if {law(record)} is all there is"
     eps = record["anisotropy_ratio"]

@@ -30,6 +30,7 @@ from serpenoid.diagnose.inference.left_open import believed
 from serpenoid.diagnose.inference.medium import Fit, candidates_of, fit_eps, fit_guided
 from serpenoid.diagnose.inference.middles import Amid, drag_amid_edges
 from serpenoid.diagnose.inference.names import Key, Refused, Weak
+from serpenoid.diagnose.inference.other_law import of_another_law
 from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.profile import in_its_range
 from serpenoid.diagnose.inference.select import Retrack, Selection, calibrated, retracked, select
@@ -39,7 +40,7 @@ from serpenoid.diagnose.residuals.residual_words import astray, pattern
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.law_of_medium import SAME, law_of, numbers_settled, with_own_numbers
 from serpenoid.diagnose.stages.other_explanations import beside_others, beside_rivals
-from serpenoid.diagnose.stages.values_of_motion import beside_known, named_of, ratio_beside
+from serpenoid.diagnose.stages.values_of_motion import beside_known, named_of, ratio_beside, ratio_interval
 from serpenoid.model import Model
 from serpenoid.wording import NOT_NAMED
 
@@ -231,8 +232,20 @@ def finding(
     ends = None if parts is None else ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
     stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)
-    stage = replace(stage, unlike=unlike, ratio=ends, divided=divided)
+    stage = another_law(found, replace(stage, unlike=unlike, ratio=ends, divided=divided))
     return MotionFinding(stage, found, swaps, before, after)
+
+
+def another_law(found: Selection, stage: Stage) -> Stage:
+    """The stage; where names that are no stand-ins yet look like another law, all are marked, and it says why. With a
+    reference eps is given, and names are changes."""
+    if found.motion.ratio is not None or not any(n.effect.effect.moves and not n.stand_in for n in stage.named):
+        return stage
+    why = of_another_law(found.settled.model.medium, stage.named, ratio_interval(found, stage))
+    if not why:
+        return stage
+    named = tuple(replace(n, stand_in=n.stand_in or n.effect.effect.moves) for n in stage.named)
+    return replace(stage, named=named, words=(*stage.words, why))
 
 
 def left_of(before: float, after: float, noise: float) -> float:

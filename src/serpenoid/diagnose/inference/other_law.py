@@ -1,0 +1,58 @@
+"""What another law looks like: names that take at some places what they give at others, and a number at its limit.
+
+A cause at a place acts there. What mends a law acts wherever the law errs, here one way and there the other. Loads of
+both signs may be there all the same, and fit a law that is right. So two witnesses are needed: one name at several
+places to either side of what changes nothing, and a number of the law, eps or one of a name that makes another law of
+it, that data do not keep from its limit: the law reaches no farther, so others are fitted to what it lacks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from serpenoid.diagnose.inference.bounds import AT_BOUND, LEAST_EPS, MOST_EPS
+from serpenoid.diagnose.inference.finding import Named
+from serpenoid.diagnose.inference.laws import makes_no_law
+from serpenoid.medium import Medium
+from serpenoid.wording import OTHER_LAW, listed
+
+
+def of_another_law(medium: Medium, named: Sequence[Named], ratio: tuple[float, float]) -> str:
+    """Why names of the motion may stand for another law, in words; empty: they need not. ratio: 95 % of eps."""
+    sides, limits = _to_either_side(named), _at_limits(medium, named, ratio)
+    if not sides or not limits:
+        return ""
+    return f"{listed(sides)} of both signs, beside {listed(limits)} that may be at its limit, {OTHER_LAW}"
+
+
+def _to_either_side(named: Sequence[Named]) -> list[str]:
+    """Names at several places of the body, at some to one side of what changes nothing and at some to the other."""
+    sides: dict[tuple[str, int], set[bool]] = {}
+    for e in (n.effect for n in named):
+        if e.place is None or e.effect.site != "medium":
+            continue
+        for i, (x, p) in enumerate(zip(e.coordinates, e.effect.parameters, strict=False)):
+            if p.neutral is not None:
+                sides.setdefault((e.name, i), set()).add(bool(x > p.resting))
+    return sorted({name for (name, _), found in sides.items() if len(found) > 1})
+
+
+def _at_limits(medium: Medium, named: Sequence[Named], ratio: tuple[float, float]) -> list[str]:
+    """Numbers of the law whose intervals reach a limit that is not the value that changes nothing."""
+    low, high = medium.limits(LEAST_EPS, MOST_EPS)
+    found = ["the anisotropy ratio"] if ratio[0] <= low * (1 + AT_BOUND) or ratio[1] >= high * (1 - AT_BOUND) else []
+    for n in named:
+        if n.effect.place is None and not makes_no_law(n.effect):
+            found += [f"`{n.effect.name}`"] if _reaches_a_limit(n) else []
+    return found
+
+
+def _reaches_a_limit(named: Named) -> bool:
+    for p in named.effect.effect.parameters:
+        low, high = named.intervals[p.name]
+        near = AT_BOUND * abs(p.typical)
+        at_least = low is not None and low <= p.lower + near and p.lower != p.neutral
+        at_most = (high is None or high >= p.upper - near) and p.upper != p.neutral
+        if at_least or at_most:
+            return True
+    return False
