@@ -11,6 +11,7 @@ Legend: F frames, N vertices.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import ceil, floor
 
 import numpy as np
 
@@ -52,7 +53,8 @@ class Stretch:
             along, across = "along x", "along y"
         elif 90 - abs(self.turned) <= unsure:
             along, across = "along y", "along x"
-        low, high = 100 * max(self.longer - half, 0.0), 100 * (self.longer + half)
+        low = floor(1e4 * max(self.longer - half, 0.0)) / 100  # as two digits hold it
+        high = ceil(1e4 * (self.longer + half)) / 100
         return f"{100 * self.longer:.2f} % (95 %: {low:.2f} .. {high:.2f}) longer {along} than {across}"
 
 

@@ -33,7 +33,8 @@ from serpenoid.wording import listed
 
 MOVE = frozenset({"markers", "ahead", "scale", None})  # marks of what moves markers, by a law of its own, too
 LONGER = 1e-3  # of an edge: a small step; markers are linear in it
-ROUNDS = 3
+ROUNDS = 12  # at most: numbers and effects are fitted in turn
+SETTLED = 0.1  # standard errors: a step that no interval shows
 
 
 @dataclass(frozen=True)
@@ -73,8 +74,8 @@ class OtherLengths:
         ]
         return (
             f"lengths of links are not those in `edge_lengths`: by the markers {listed(each)}"
-            f"{'' if which.all() else '; the others are as told'}. Measure the links, mend `edge_lengths`, and diagnose "
-            "again"
+            f"{'' if which.all() else '; the others are as told'}. Measure the links, mend `edge_lengths`, and "
+            "diagnose again"
         )
 
 
@@ -182,10 +183,13 @@ def _fitted(start: Looked, edges: bool = False, axes: bool = False) -> Rival:
         left = left_over(data, now)
         changed = [left_over(made(numbers + s), now) for s in np.diag(steps)]
         slopes = np.stack([(other - left) / s for other, s in zip(changed, steps, strict=True)], axis=1)
-        numbers = np.maximum(numbers + np.linalg.lstsq(slopes, -left, rcond=None)[0], lowest)
+        step, covariance = np.linalg.lstsq(slopes, -left, rcond=None)[0], np.linalg.pinv(slopes.T @ slopes)
+        numbers = np.maximum(numbers + step, lowest)
         data = made(numbers)
         now = solved(data, now, start.keys) if start.keys else now
-    return Rival(data, now, len(start.own), numbers, np.linalg.pinv(slopes.T @ slopes))
+        if (np.abs(step) < SETTLED * np.sqrt(np.diag(covariance))).all():
+            break
+    return Rival(data, now, len(start.own), numbers, covariance)
 
 
 def _turned(rest: Looked, free: Rival) -> Rival:
