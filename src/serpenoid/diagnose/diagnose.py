@@ -151,7 +151,8 @@ def beside_changes(
     With a reference, beside a change of the body's shapes, they may mend the law about it, where that is known to be
     wrong, as they may beside a larger one of the floor."""
     named = [n for stage in above for n in stage.named]
-    unknown = any(s.mend for s in above) or any(n.stand_in and n.effect.effect.site == "observation" for n in named)
+    unknown = any(n.stand_in and n.effect.effect.site == "observation" for n in named)
+    unknown = unknown or any(stage.mend and not stage.settled for stage in above)
     shapes = any(n.effect.effect.site == "actuation" for n in named)
     wrong = baseline.inadequate or found.stage.discrepancy_m > 0
     every = unknown or (baseline.ratio is not None and shapes and wrong)

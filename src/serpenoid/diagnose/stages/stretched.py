@@ -34,6 +34,11 @@ class Stretch:
     errors: Floats
 
     @property
+    def directed(self) -> Floats:
+        """Without what is alike in all directions."""
+        return np.array([0.0, *self.numbers[1:]])
+
+    @property
     def longer(self) -> float:
         """By which share the direction of the longest is longer than the one across."""
         return 2 * float(np.hypot(*self.numbers[1:]))
@@ -60,22 +65,34 @@ class Stretch:
 
 def unstretched(data: Sample, numbers: Floats) -> Sample:
     """The sample as a camera would see it that is not stretched."""
-    back = np.linalg.inv(np.eye(2) + np.tensordot(numbers, BASE, axes=1))
+    back = np.linalg.inv(np.eye(2) + _matrix(numbers))
     return replace(data, markers=data.markers @ back)
+
+
+def shown_by(data: Sample, now: Observation, numbers: Floats) -> Floats:
+    """Mean squares of what t, a and b do to bends and lengths, in units of noise (m + N - 1,)."""
+    there = _there(data, now)
+    seen = there + there @ _matrix(numbers)
+    angle = np.mod(marker_angles(data.body, seen) - marker_angles(data.body, there) + np.pi, 2 * np.pi) - np.pi
+    longer = np.linalg.norm(np.diff(seen, axis=1), axis=2) - np.linalg.norm(np.diff(there, axis=1), axis=2)
+    return np.asarray(((np.concatenate([angle, longer], axis=1) / data.levels) ** 2).mean(axis=0))
 
 
 def strength(data: Sample, now: Observation, stretch: Stretch) -> tuple[float, float]:
     """What a and b do over the noise level: RMS of the worst channel of bends and lengths, and of paths of trials."""
-    points = now.seen(data.body, data.angles(now))
-    poses, _ = register(points, data.markers)
-    there = placed(points, poses)
-    directed = np.tensordot(stretch.numbers[1:], BASE[1:], axes=1)
-    seen = there + there @ directed
-    angle = np.mod(marker_angles(data.body, seen) - marker_angles(data.body, there) + np.pi, 2 * np.pi) - np.pi
-    longer = np.linalg.norm(np.diff(seen, axis=1), axis=2) - np.linalg.norm(np.diff(there, axis=1), axis=2)
-    shown = np.concatenate([angle, longer], axis=1) / data.levels
     ends = np.cumsum([len(taken) for *_, taken in data.trials])
-    middle = there.mean(axis=1)
-    paths = (middle[ends - 1] - middle[np.concatenate([[0], ends[:-1]])]) @ directed
+    middle = _there(data, now).mean(axis=1)
+    paths = (middle[ends - 1] - middle[np.concatenate([[0], ends[:-1]])]) @ _matrix(stretch.directed)
     level = data.levels[-1] / np.sqrt(data.body.vertices)
-    return float(np.sqrt((shown**2).mean(axis=0)).max()), float(np.sqrt((paths**2).sum(axis=1).mean()) / level)
+    by_path = np.sqrt((paths**2).sum(axis=1).mean()) / level
+    return float(np.sqrt(shown_by(data, now, stretch.directed).max())), float(by_path)
+
+
+def _matrix(numbers: Floats) -> Floats:
+    return np.asarray(np.tensordot(numbers, BASE, axes=1))
+
+
+def _there(data: Sample, now: Observation) -> Floats:
+    """Markers (F, N, 2) as an observation model puts them on the floor."""
+    points = now.seen(data.body, data.angles(now))
+    return placed(points, register(points, data.markers)[0])

@@ -24,10 +24,11 @@ from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.chance import SYSTEMATIC
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.inference.finding import VISIBLE
+from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.prices import Priced, cheapest, most_gained, outweighed
 from serpenoid.diagnose.stages.looked import Key, Looked, solved
-from serpenoid.diagnose.stages.marker_evidence import Sample, left_over, misfit
-from serpenoid.diagnose.stages.stretched import NUMBERS, Stretch, strength, unstretched
+from serpenoid.diagnose.stages.marker_evidence import Sample, left_over, misfit, structure
+from serpenoid.diagnose.stages.stretched import NUMBERS, Stretch, shown_by, strength, unstretched
 from serpenoid.effects.catalogue import find
 from serpenoid.wording import listed
 
@@ -81,8 +82,9 @@ class OtherLengths:
 
 @dataclass(frozen=True)
 class OtherAxes:
-    """A stretched camera that explains markers for less than some effects, and these; visible: whether lengths or bends
-    show it beyond the noise level, not only paths."""
+    """A stretched camera that explains markers for less than effects do, and those of them of whose signature it may
+    make as much as an error of their law may; visible: whether lengths or bends show it beyond the noise level, not
+    only paths."""
 
     stretch: Stretch
     instead_of: tuple[Key, ...]
@@ -146,20 +148,28 @@ def instead_of_effects(best: Looked) -> OtherLengths | OtherAxes | None:
         free = _fitted(rest, edges=True)
         lengths = [free, _turned(rest, free)]
         axes += [(best.priced, _fitted(best, axes=True)), (free.priced, _fitted(rest, edges=True, axes=True))]
-    axes = [(bare, fit) for bare, fit in axes if not outweighed(bare, fit.priced)]
+    axes = [(bare, fit) for bare, fit in axes if not outweighed(bare, fit.priced) or _leaves_less(fit)]
     fits = [*lengths, *(fit for _, fit in axes)]
     found = cheapest(best.priced, [f.priced for f in fits], len(fits))
     if found is not None and found >= len(lengths):
-        stretch = fits[found].stretch
-        by_shape, by_path = strength(fits[found].data, fits[found].now, stretch)
+        fit = fits[found]
+        by_shape, by_path = strength(fit.data, fit.now, fit.stretch)
         if max(by_shape, by_path) >= VISIBLE:
-            return OtherAxes(stretch, best.keys, by_shape >= VISIBLE)
+            done = float(np.sqrt(shown_by(fit.data, fit.now, fit.stretch.numbers).max()))
+            doubted = tuple(k for k in best.keys if done > LAW_ERROR * best.strength(k))
+            return OtherAxes(fit.stretch, doubted, by_shape >= VISIBLE)
         found = cheapest(best.priced, [f.priced for f in lengths], len(lengths))
     if found is None:
         return None
     told, edges = stated(best.data.body), lengths[0].numbers
     differ = ((edges - told) / lengths[0].errors) ** 2 > most_gained(1, len(edges))
     return OtherLengths(told, edges, differ, keys, found == 1)
+
+
+def _leaves_less(fit: Rival) -> bool:
+    """Whether what lasts of what a stretch leaves is less than it does, where noise is more than that of markers."""
+    done = shown_by(fit.data, fit.now, fit.stretch.directed)
+    return bool(structure(fit.data, fit.now).sum() < done.sum())
 
 
 def stated(body: Body) -> Floats:
