@@ -128,7 +128,7 @@ class Rival:
     @property
     def errors(self) -> Floats:
         """Standard errors of the numbers, in units of what is left."""
-        return np.sqrt(np.diag(self.covariance)) * SYSTEMATIC * max(self.priced.spread, 1.0)
+        return _deviations(self.covariance) * SYSTEMATIC * max(self.priced.spread, 1.0)
 
     @property
     def stretch(self) -> Stretch:
@@ -197,9 +197,14 @@ def _fitted(start: Looked, edges: bool = False, axes: bool = False) -> Rival:
         numbers = np.maximum(numbers + step, lowest)
         data = made(numbers)
         now = solved(data, now, start.keys) if start.keys else now
-        if (np.abs(step) < SETTLED * np.sqrt(np.diag(covariance))).all():
+        if (np.abs(step) < SETTLED * _deviations(covariance)).all():
             break
     return Rival(data, now, len(start.own), numbers, covariance)
+
+
+def _deviations(covariance: Floats) -> Floats:
+    """Of numbers; of what no marker shows next to nothing, as it stays as told."""
+    return np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
 
 
 def _turned(rest: Looked, free: Rival) -> Rival:
