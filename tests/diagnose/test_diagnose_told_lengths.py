@@ -1,8 +1,9 @@
-"""Edges of other lengths than told are told apart from markers beside their places."""
+"""Edges of other lengths than told, markers beside their places and a stretched camera are told apart."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,19 +20,38 @@ from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.inference.finding import Stage
 from serpenoid.diagnose.stages.choose_observation import choose_observation
+from serpenoid.diagnose.stages.looked import Key, Looked
+from serpenoid.diagnose.stages.marker_evidence import sample
+from serpenoid.diagnose.stages.stretched import Stretch
+from serpenoid.diagnose.stages.told_lengths import OtherAxes, instead_of_effects
 
 RULER = 0.012  # of a length: what it is told wrong by
 COUNT = SNAKE10.vertices
 
 
-def seen(folder: Path, hidden: list[Effect], told: np.ndarray | None = None, protocol: Protocol | None = None) -> Stage:
-    """The stage of observation of a campaign whose edges are told as they are, or otherwise."""
-    write(make(3, hidden, "short", COMBINATIONS[:2], protocol=protocol), folder)
+def seen(
+    folder: Path,
+    hidden: list[Effect],
+    told: np.ndarray | None = None,
+    protocol: Protocol | None = None,
+    *,
+    camera: np.ndarray | None = None,
+    middles: bool = False,
+) -> Stage:
+    """The stage of observation of a campaign whose edges are told as they are, or otherwise; camera (2, 2): what it
+    makes of places on the floor; middles: whether edges have vertices in their middles."""
+    made = make(3, hidden, "short", COMBINATIONS[:2], protocol=protocol)
+    if camera is not None:
+        films = [replace(t.film, markers=t.film.markers @ camera.T) for t in made.trials]
+        made = replace(made, trials=tuple(replace(t, film=f) for t, f in zip(made.trials, films, strict=True)))
+    write(made, folder)
     if told is not None:
         toml = folder / "campaign.toml"
         lengths = f"edge_lengths = [{', '.join(f'{e:.6f}' for e in told)}]"
         toml.write_text(re.sub(r"edge_lengths = .*", lengths, toml.read_text()))
     recordings = read_recordings(folder)[1]
+    if middles:
+        recordings = tuple(r.with_middles() for r in recordings)
     return choose_observation(recordings, Observation.neutral(recordings[0].body))[0]
 
 
@@ -43,8 +63,11 @@ def test_lengths_that_are_told_wrong_are_found_and_offsets_are_said_to_stand_for
     assert any("edges of other lengths than told" in w for w in stage.words)
     said = stage.mend
     assert "mend `edge_lengths`" in said
-    found = np.array([float(x) for x in re.findall(r"[\d.]+", said[said.index("[") : said.index("]")])])
-    np.testing.assert_allclose(found, 1e3 * SNAKE10.edges, atol=0.1)  # mm; the ruler is off by a millimetre
+    told = re.findall(r"entry (\d+) is ([\d.]+) mm, not ([\d.]+)", said)
+    assert {int(k) for k, *_ in told} >= {k + 1 for k in np.flatnonzero(np.abs(off - 1) > 0.005)}
+    for k, shown, stated in told:
+        assert float(shown) == pytest.approx(1e3 * SNAKE10.edges[int(k) - 1], abs=0.1)  # a ruler's millimetre is more
+        assert float(stated) == pytest.approx(1e3 * (SNAKE10.edges * off)[int(k) - 1], abs=0.06)
 
 
 def test_lengths_that_are_told_from_head_to_tail_are_said_to_be(tmp_path: Path) -> None:
@@ -76,3 +99,72 @@ def test_all_markers_may_be_to_one_side(tmp_path: Path) -> None:
     assert {n.effect.key for n in stage.named} == {("marker_offset", k) for k in range(COUNT)}
     np.testing.assert_allclose([n.effect.parameters["left"] for n in stage.named], 4e-3, atol=2e-4)
     assert stage.settled, stage.words
+
+
+STRETCH = np.array([[0.006, 0.004], [0.004, -0.002]])
+LONGER = 2 * np.hypot(0.004, 0.004)  # along the longest direction than across, 22.5 degrees from x
+
+
+def looked(folder: Path, camera: Callable[[np.ndarray], np.ndarray], keys: Sequence[Key] = ()) -> Looked:
+    """What is asked of a campaign without effects that a camera sees so, beside these effects."""
+    made = make(3, [], "short", COMBINATIONS[:2])
+    films = [replace(t.film, markers=camera(t.film.markers)) for t in made.trials]
+    write(replace(made, trials=tuple(replace(t, film=f) for t, f in zip(made.trials, films, strict=True))), folder)
+    recordings = read_recordings(folder)[1]
+    neutral = Observation.neutral(recordings[0].body)
+    found = Looked(sample(recordings), neutral, neutral)
+    for key in keys:
+        found = found.beside(key)
+    return found
+
+
+@pytest.mark.parametrize("keys", [[], [("length_scale", None), ("marker_offset", 4)]])
+def test_a_stretched_camera_is_no_wrong_links(tmp_path: Path, keys: list[Key]) -> None:
+    found = instead_of_effects(looked(tmp_path / "short", lambda p: p @ (np.eye(2) + STRETCH), keys))
+    assert isinstance(found, OtherAxes)
+    assert found.instead_of == tuple(keys)
+    assert found.stretch.longer == pytest.approx(LONGER, abs=2e-4)
+    assert found.stretch.turned == pytest.approx(22.5, abs=1)
+    assert "Calibrate the camera" in found.remedy
+    assert "`edge_lengths`" not in found.remedy
+
+
+@pytest.mark.parametrize(("scale", "keys"), [(1.0, []), (1.01, [("length_scale", None)])])
+def test_no_camera_is_stretched_that_sees_all_directions_alike(tmp_path: Path, scale: float, keys: list[Key]) -> None:
+    assert instead_of_effects(looked(tmp_path / "short", lambda p: scale * p, keys)) is None
+
+
+def test_perspective_is_no_stretched_camera(tmp_path: Path) -> None:
+    """What a stretch takes away of it is less than what it leaves."""
+    assert instead_of_effects(looked(tmp_path / "short", lambda p: p * (1 + 0.1 * p[..., 1:]))) is None
+
+
+def test_beside_a_stretched_camera_names_are_stand_ins(tmp_path: Path) -> None:
+    stage = seen(tmp_path / "short", [], protocol=draw_protocol(29), camera=np.diag([1.02, 1.01]))
+    assert stage.named
+    assert all(n.stand_in for n in stage.named)
+    assert "longer along x than along y" in stage.mend
+    assert not stage.settled
+
+
+@pytest.mark.parametrize("middles", [False, True])
+def test_the_one_edge_that_differs_is_told_of_those_that_are_written(tmp_path: Path, middles: bool) -> None:
+    """Not the whole list, nor halves of edges where drag sits in their middles."""
+    off = np.where(np.arange(len(SNAKE10.edges)) == 2, 1.03, 1.0)
+    stage = seen(tmp_path / "short", [], SNAKE10.edges * off, middles=middles)
+    told = re.findall(r"entry (\d+) is [\d.]+ mm, not [\d.]+ \(([-+][\d.]+) %\)", stage.mend)
+    assert [k for k, _ in told] == ["3"], stage.mend
+    assert float(told[0][1]) == pytest.approx(100 / 1.03 - 100, abs=0.1)
+    assert "the others are as told" in stage.mend
+
+
+@pytest.mark.parametrize(
+    ("numbers", "words"),
+    [
+        ((0.004, 0.005, 0.0), "1.00 % (95 %: 0.96 .. 1.04) longer along x than along y"),
+        ((0.0, -0.005, 0.0), "1.00 % (95 %: 0.96 .. 1.04) longer along y than along x"),
+        ((0.0, 0.0, 0.005), "1.00 % (95 %: 0.96 .. 1.04) longer at 45 degrees from x towards y than across"),
+    ],
+)
+def test_a_stretch_is_told_in_words(numbers: tuple[float, ...], words: str) -> None:
+    assert Stretch(np.array(numbers), np.array([1e-4, 1e-4])).words == words

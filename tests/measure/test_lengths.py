@@ -217,3 +217,19 @@ def test_scales_that_change_within_films_as_much_are_the_cameras():
     made = films([1.0, 1.02, 0.98], 0.0002)
     grown = tuple(points * np.linspace(0.98, 1.02, len(points))[:, None, None] for points in made.points)
     assert all("perspective" in words for words in replace(made, points=grown).said.values())
+
+
+WAYS = [(np.cos(t), np.sin(t)) for t in (0.0, 0.7, 1.5, 2.3)]
+
+
+@pytest.mark.parametrize("noise", [0.0002, 0.003])
+def test_films_that_differ_by_which_way_links_point_are_a_stretched_cameras(noise):
+    """Not told to give each film another scale."""
+    made = films([1.0] * 4, noise, beside=0.0)
+    turned = [points @ np.array([[c, s], [-s, c]]) for points, (c, s) in zip(made.points, WAYS, strict=True)]
+    seen = tuple(points * [1.02, 1.0] for points in turned)
+    said = replace(made, points=seen).said
+    assert len(said) == 4
+    for words in said.values():
+        assert "another along x than along y" in words
+        assert float(re.findall(r"up to ([0-9.]+) % longer", words)[0]) == pytest.approx(2.0, abs=0.3)

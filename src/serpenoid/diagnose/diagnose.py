@@ -182,6 +182,7 @@ def beside_changes(
     wrong, as they may beside a larger one of the floor."""
     named = [n for stage in above for n in stage.named]
     unknown = any(n.stand_in and n.effect.effect.site == "observation" for n in named)
+    unknown = unknown or any(stage.mend and not stage.settled for stage in above)
     shapes = any(n.effect.effect.site == "actuation" for n in named)
     wrong = baseline.inadequate or found.stage.discrepancy_m > 0
     every = unknown or (baseline.ratio is not None and shapes and wrong)

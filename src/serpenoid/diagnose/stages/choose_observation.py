@@ -26,7 +26,7 @@ from serpenoid.diagnose.stages.marker_evidence import (
     sample,
     structure,
 )
-from serpenoid.diagnose.stages.told_lengths import other_lengths
+from serpenoid.diagnose.stages.told_lengths import instead_of_effects
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import find, marking
 from serpenoid.files.store import remembered
@@ -56,7 +56,7 @@ def choose_observation(
     best = _beside_play(best, before)
     best, refused = lawful(best, lambda f: [effect_of(f, k) for k in f.keys], _law_error, Looked.without_one)
     beyond = _beyond_bounds(best)
-    other = other_lengths(best)
+    other = instead_of_effects(best)
     instead = () if other is None else other.instead_of
     every = [_named(best, key, stand_in=key in instead) for key in best.keys if key not in beyond]
     clock = _clock(recordings, best)
@@ -67,8 +67,8 @@ def choose_observation(
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     left, words, squares, new, divided = _left_over(best, before)
-    mend = other if any(n.stand_in for n in named) else None
-    words += () if mend is None else (mend.words,)
+    mend = other if any(n.stand_in for n in named) or (other is not None and other.told_alone and not before) else None
+    words += (mend.words,) if mend is not None and mend.visible else ()
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
     words = (*words, *beyond.values(), *unknown, *(RIDES.format(vertex=k) for k in torn), *refused)
     first = "" if mend is None else mend.remedy

@@ -2,7 +2,10 @@
 
     r_ie = log(shown / said) of edge e in film i = scale_i + edge_e + rest_ie
 
-Scales differ where F = var(scale) / var(rest) is no chance, and they are `APART`. Legend: n films, E edges.
+Scales differ where F = var(scale) / var(rest) is no chance, and they are `APART`. What links of another direction on
+the floor are longer by within films, a cos 2 phi + b sin 2 phi, may be what films differ by: a camera is stretched.
+
+Legend: n films, E edges, F frames.
 """
 
 from __future__ import annotations
@@ -11,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import fdtrc
 
 from serpenoid.body import Body
@@ -22,6 +26,7 @@ from serpenoid.measure.consistency.rivals import CERTAIN
 from serpenoid.measure.trial_files import Files, ever_seen, stated_between
 
 APART = 0.005  # of a length: a lens and where on its floor a body is make less of a whole film
+TINY = np.finfo(float).tiny
 WITHIN = 0.25  # of how much films differ: what differs as much within them is no camera that was moved, nor is less
 
 
@@ -41,12 +46,34 @@ class Films:
         if not _differ(longer):
             words = beside_film(*self.shown)
             return dict.fromkeys(self.trials, words) if words else {}
+        directed, along = self._by_direction()
+        if not _differ(longer - along):
+            return dict.fromkeys(self.trials, _stretched(directed))
         scales = longer.mean(axis=1)
         within = [np.ptp(self._longer(np.array_split(one, PARTS)).mean(axis=1)) for one in self.points]
         little = WITHIN * np.ptp(scales)
         if np.median(within) > little:
             return dict.fromkeys(self.trials, _by_place(scales))
         return {t: _another(s, scales) for t, s in zip(self.trials, scales, strict=True) if abs(s) > little}
+
+    def _by_direction(self) -> tuple[float, Floats]:
+        """By which share the longest direction is longer than the one across, of links that turn within films, and what
+        that makes of the lengths (n, E) in each film that all show."""
+        known = self._known
+        steps = [np.diff(points, axis=1)[:, known] for points in self.points]
+        twice = [2 * np.arctan2(s[..., 1], s[..., 0]) for s in steps]
+        turns = [np.stack([np.cos(t), np.sin(t)], axis=2) for t in twice]  # (F, E, 2)
+        sizes = [np.log(np.maximum(np.linalg.norm(s, axis=2), TINY)) for s in steps]
+        seen = np.concatenate([np.isfinite(x).ravel() for x in sizes])
+        about = np.concatenate([(x - np.nanmean(x, axis=0)).reshape(-1, 2) for x in turns])[seen]
+        longer = np.concatenate([(x - np.nanmean(x, axis=0)).ravel() for x in sizes])[seen]
+        found = np.linalg.lstsq(about, longer, rcond=None)[0]
+        return 2 * float(np.hypot(*found)), np.array([np.nanmean(x, axis=0) @ found for x in turns])
+
+    @property
+    def _known(self) -> NDArray[np.bool_]:
+        """Which edges all films show, and are stated."""
+        return np.asarray(np.all([Shown.of([points], self.shown[1]).known for points in self.points], axis=0))
 
     def _longer(self, recordings: Sequence[Floats]) -> Floats:
         """r of the edges (n, E) that all of n recordings show."""
@@ -62,7 +89,7 @@ def _differ(longer: Floats) -> bool:
         return False
     scale = longer.mean(axis=1)
     rest = longer - scale[:, None] - longer.mean(axis=0) + longer.mean()
-    left = max(float((rest**2).sum()) / (edges - 1), np.finfo(float).tiny)
+    left = max(float((rest**2).sum()) / (edges - 1), TINY)
     chance = fdtrc(count - 1, (count - 1) * (edges - 1), edges * (count - 1) * float(scale.var(ddof=1)) / left)
     return bool(chance < 1 - CERTAIN and np.ptp(scale) > APART)
 
@@ -75,6 +102,15 @@ def _another(scale: float, scales: Floats) -> str:
         f"of this campaign differ by {apart:.2g} %: was a camera moved, or calibrated anew? Left so it counts "
         "as chance of repeats, and hides what is smaller. Give the positions of this film times "
         f"{np.exp(-scale):.4g} (of pixels: so many times its `metres_per_pixel`)"
+    )
+
+
+def _stretched(directed: float) -> str:
+    """Of films that differ by which way links point in them."""
+    return (
+        f"films show links up to {100 * directed:.2g} % longer along one direction on the floor than across, and "
+        "differ by which way links point in them: is the camera's scale another along x than along y, or are its axes "
+        "not square? Left so it counts as marker noise and moves what is fitted. Calibrate the camera"
     )
 
 
