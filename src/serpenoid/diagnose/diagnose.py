@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 
 SCORES = 20  # the best candidates, in the record
 RELAID = 3  # a clock that play has drawn aside by 1 ms is off by 0.05 ms after the first
+MISTAKEN = 0.01  # of a cycle: clocks of instruments differ by less
 OTHER_CYCLES = (
     "cycles do not last as long as `cycle_duration_s` says (the last note has both): mend it, or the film's frame rate"
 )
@@ -288,8 +289,9 @@ def _rows(recordings: Sequence[Recording], baseline: Baseline) -> dict[str, Any]
 
 def _other_cycles(d: Diagnosis) -> list[str]:
     """That cycles do not last as long as the campaign says, where shapes are not as told: it may be behind that."""
-    asked = any(r.asked_cycle_s for r in _read(d.motion.selection.motion))
-    return [OTHER_CYCLES] if asked and not all(stage.settled for stage in d.stages[:2]) else []
+    read = [r for r in _read(d.motion.selection.motion) if r.asked_cycle_s]
+    off = max((abs(r.schedule.cycle_duration_s / (r.asked_cycle_s or 1.0) - 1) for r in read), default=0.0)
+    return [OTHER_CYCLES] if off > MISTAKEN and not all(stage.settled for stage in d.stages[:2]) else []
 
 
 def _held_out(d: Diagnosis) -> str:
