@@ -62,7 +62,7 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Read]) 
         pictures = Pictures(folder, None if args.no_figures else artist)
         earlier, before = None, None
         if args.reference:
-            file, then = _diagnosed(args, args.reference, None, work, artist, read_believed)
+            file, then = _diagnosed(args, args.reference, None, work, artist, read_believed, apart=False)
             earlier, before = reference_of(then), summary(then) | {"campaign": file.name}
 
         def read_already(file: CampaignFile, place: Path) -> Believed:
@@ -94,6 +94,7 @@ def _diagnosed(
     files: Reader,
     searched: Searched = lambda found: None,
     climbed: Climbed = lambda steps: None,
+    apart: bool = True,
 ) -> tuple[CampaignFile, Diagnosis]:
     from serpenoid.diagnose.campaign import diagnose_campaign
     from serpenoid.effects.catalogue import find
@@ -110,7 +111,7 @@ def _diagnosed(
     without = frozenset(find(name).name for name in args.without)
     found = diagnose_campaign(
         campaign, args.model, earlier, without, lambda done, _, name: work.read(done, name), begin, notice, files,
-        searched, climbed,
+        searched, climbed, apart,
     )  # fmt: skip
     work.campaign_done()
     return found

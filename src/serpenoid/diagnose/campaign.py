@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from serpenoid.diagnose.changed_trials import with_changed_trials
+from serpenoid.diagnose.changed_trials import changed_trials
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.tracked import tracked_recordings
 from serpenoid.diagnose.data.tracks import NoPath
@@ -44,13 +44,15 @@ def diagnose_campaign(
     files: Reader = read_believed,
     searched: Searched = lambda found: None,
     climbed: Climbed = lambda steps: None,
+    apart: bool = True,
 ) -> tuple[CampaignFile, Diagnosis]:
     """One campaign, beside what was so earlier or beside the model alone; the motion alone where points are all.
 
     without: names of effects that are not looked for. notice: hears, before the work begins, what of a long recording
     is left out. files: reads what a robot's campaign names and checks it, or has done so. searched: hears what the
     search for effects of the motion found, as soon as it has ended; climbed: the ladder's steps from command to
-    markers.
+    markers. apart: whether trials in which something acts alone are diagnosed by themselves, too; of a reference nobody
+    asks.
     """
     file, _ = load_campaign_file(campaign)
     if file.tracked_only:
@@ -80,6 +82,6 @@ def diagnose_campaign(
     recordings = tuple(r.with_middles() for r in recordings) if middles else recordings
     try:
         found = diagnose(recordings, known, say, searched, climbed)
-        return file, with_changed_trials(recordings, known, found, say)
+        return file, replace(found, changed=changed_trials(recordings, known, found, say)) if apart else found
     except NoPath as none:
         raise InputError(rootless(str(model or campaign), none, known.model.effects)) from none

@@ -74,10 +74,3 @@ def sides(recordings: Sequence[Recording], divided: Divided) -> tuple[list[Recor
     side = {r.name: {told[r.name]} if r.name in told else by_setting.get(r.setting, set()) for r in recordings}
     changed, others = ([r for r in recordings if side[r.name] == {acts}] for acts in (True, False))
     return changed, others
-
-
-def with_changed_trials(
-    recordings: Sequence[Recording], known: Baseline, whole: Diagnosis, say: Callable[[str], None]
-) -> Diagnosis:
-    """The diagnosis of all, and what changed amid it."""
-    return replace(whole, changed=changed_trials(recordings, known, whole, say))

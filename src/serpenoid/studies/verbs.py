@@ -118,5 +118,5 @@ def compare(campaign: Place, anisotropy_ratio: float | None = None, dissipation:
 
 def diagnose(campaign: Place, model: Place | None = None, reference: Place | None = None) -> Diagnosed:
     """Find out what `model` (a problem or model file) gets wrong, or what changed since the campaign `reference`."""
-    earlier = None if reference is None else reference_of(diagnose_campaign(reference, model)[1])
+    earlier = None if reference is None else reference_of(diagnose_campaign(reference, model, apart=False)[1])
     return Diagnosed(*diagnose_campaign(campaign, model, earlier))

@@ -53,7 +53,7 @@ def _verdict(record: Record) -> Card:
     mend = record.get("mend_first", [])
     said = [
         meaning(record),
-        *changed_trials(record)[:2],
+        *changed_trials(record),
         *ratio_change(record),
         *mend,
         *inadequacy(record),

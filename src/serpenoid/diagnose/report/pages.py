@@ -15,6 +15,7 @@ from serpenoid.diagnose.report.cards import GAINS, cards, times_noise, unit_of
 from serpenoid.diagnose.report.sentences import (
     SETTLED,
     already,
+    changed_report,
     changed_trials,
     left,
     no_experiment,
@@ -71,8 +72,8 @@ def write_pages(
         "lead": [],
         "cards": cards(record),
         "animation": animation_data(trials),
-        "changed": [*map(sentence, changed_trials(record)[:-1])],
-        "changed_report": _changed_report(record),
+        "changed": [*map(sentence, changed_trials(record))],
+        "changed_report": changed_report(record),
         "changed_parameters": _parameters(record["changed_trials"]["diagnosis"]) if record["changed_trials"] else None,
         "left": [*map(sentence, left(record))],
         "reference": [*map(sentence, (*reference(record), *already(record)))],
@@ -91,12 +92,6 @@ def write_pages(
     drawn()
     pictures = {place: _pictures(folder, names, unseen(record)) for place, names in FIGURES.items()}
     write_page(folder / "report.html", TEMPLATE, pictures=pictures, **made)
-
-
-def _changed_report(record: Record) -> str:
-    """Where the changed trials' own report is, empty where there are none."""
-    told = record["changed_trials"]
-    return f"{told['folder']}/report.html" if told else ""
 
 
 def _beside(record: Record) -> list[str]:

@@ -245,7 +245,13 @@ def changed_trials(record: Record) -> list[str]:
     answer = told["diagnosis"]
     names, beside = alone(told["trials"], told["others"]), "the reference" if record["reference"] else "the others"
     causes = few([title(e) for e in answer["effects"]]) if answer["effects"] else "no effect named"
-    return [f"{names}, diagnosed beside {beside}: {answer['verdict']}", causes, f"{told['folder']}/report.html"]
+    return [f"{names}, diagnosed beside {beside}: {answer['verdict']}", causes]
+
+
+def changed_report(record: Record) -> str:
+    """Where their own report is, empty where there are none."""
+    told = record.get("changed_trials")
+    return f"{told['folder']}/report.html" if told else ""
 
 
 def ratio_change(record: Record) -> list[str]:

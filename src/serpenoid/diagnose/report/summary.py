@@ -11,6 +11,7 @@ from serpenoid.diagnose.inference.finding import alone
 from serpenoid.diagnose.report.sentences import (
     already_in_short,
     chance,
+    changed_report,
     changed_trials,
     drag_ratio,
     experiment,
@@ -72,7 +73,7 @@ def _decides(record: Record) -> list[str]:
     held = "in sample" if in_sample(record) else f"held-out {unseen(record)}"
     return [
         *_rows("verdict", [f"{verdict}: {meaning(record)}"]),
-        *_rows("changed trials", changed_trials(record)),
+        *_rows("changed trials", filter(None, [*changed_trials(record), changed_report(record)])),
         *_rows("since then", ratio_change(record)),
         *_rows("mend first", record.get("mend_first", [])),
         *_rows("caution", inadequacy(record)),

@@ -34,11 +34,11 @@ from serpenoid.diagnose.data.windows import columns_of, predictions
 from serpenoid.diagnose.inference.finding import Divided
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.medium import Fit, candidates_of
+from serpenoid.diagnose.residuals.from_trial_to_trial import MOST
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.simulation.sensitivity import EPS, Column
 from serpenoid.wording import listed
 
-MOST = 0.5  # of the squares that repeats differ by: then it is what they differ by
 FEW = 3  # pairs: two lie on a line with any third number
 
 

@@ -172,11 +172,9 @@ def _from_trial_to_trial(best: Looked, joint: int) -> Divided | None:
         f"joint {joint + 1} is bent by another angle from trial to trial, by {changes[at]:+.3g} rad at "
         f"`{best.data.names[sides[1][0]]}`: its horn, or a marker beside it, may have slipped"
     )
-    means = [angles[side].mean() for side in sides]
-    if any(
-        np.abs(angles[side] - m).max() > LAW_ERROR * abs(means[1] - means[0])
-        for side, m in zip(sides, means, strict=True)
-    ):
+    before, since = (angles[side] for side in sides)
+    widest = max(np.abs(x - x.mean()).max() for x in (before, since))
+    if widest > LAW_ERROR * abs(since.mean() - before.mean()):
         return Divided(words)
     others, changed = (tuple(best.data.names[i] for i in side) for side in sides)
     return Divided(words, changed, others)

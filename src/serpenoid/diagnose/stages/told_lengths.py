@@ -107,7 +107,7 @@ class OtherAxes:
 
 
 @dataclass(frozen=True)
-class Rival:
+class Refitted:
     """A sample with other edges, or of a camera that is not stretched, and what effects leave of it.
 
     own: columns of these; numbers: what else is fitted, with covariance; of a camera
@@ -166,7 +166,7 @@ def instead_of_effects(best: Looked) -> OtherLengths | OtherAxes | None:
     return OtherLengths(told, edges, differ, keys, found == 1)
 
 
-def _leaves_less(fit: Rival) -> bool:
+def _leaves_less(fit: Refitted) -> bool:
     """Whether what lasts of what a stretch leaves is less than it does, where noise is more than that of markers."""
     done = shown_by(fit.data, fit.now, fit.stretch.directed)
     return bool(structure(fit.data, fit.now).sum() < done.sum())
@@ -177,7 +177,7 @@ def stated(body: Body) -> Floats:
     return body.edges_m.reshape(-1, 2).sum(axis=1) if body.has_middles else body.edges_m
 
 
-def _fitted(start: Looked, edges: bool = False, axes: bool = False) -> Rival:
+def _fitted(start: Looked, edges: bool = False, axes: bool = False) -> Refitted:
     """With edges that are free, or a camera that may be stretched: by steps of Gauss and Newton beside the effects."""
     told = stated(start.data.body)
     steps = LONGER * np.concatenate([told if edges else [], np.ones(NUMBERS if axes else 0)])
@@ -199,7 +199,7 @@ def _fitted(start: Looked, edges: bool = False, axes: bool = False) -> Rival:
         now = solved(data, now, start.keys) if start.keys else now
         if (np.abs(step) < SETTLED * _deviations(covariance)).all():
             break
-    return Rival(data, now, len(start.own), numbers, covariance)
+    return Refitted(data, now, len(start.own), numbers, covariance)
 
 
 def _deviations(covariance: Floats) -> Floats:
@@ -207,11 +207,11 @@ def _deviations(covariance: Floats) -> Floats:
     return np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
 
 
-def _turned(rest: Looked, free: Rival) -> Rival:
+def _turned(rest: Looked, free: Refitted) -> Refitted:
     """With the edges as told, from head to tail."""
     back = _with_edges(rest.data, stated(rest.data.body)[::-1])
     now = solved(back, free.now, rest.keys) if rest.keys else free.now
-    return Rival(back, now, len(rest.own), np.zeros(0), np.zeros((0, 0)))
+    return Refitted(back, now, len(rest.own), np.zeros(0), np.zeros((0, 0)))
 
 
 def _with_edges(data: Sample, written: Floats) -> Sample:
