@@ -29,7 +29,7 @@ from serpenoid.measure.servo_alignment import QUANTISATION_SD
 
 FRAMES_PER_TRIAL = 250
 AVERAGED_S = 0.09  # markers are looked at over this time: as the poses at a window's ends are
-KEPT = 1000  # of a joint's ways across a gap: a few ten megabytes
+KEPT = 100  # ways of joints across gaps; of ten times as many joints are followed 5 % less often
 LEAST_PLAY = 5e-3  # rad: a gap that jitter of the readings does not cross; narrower ones are followed as this one is
 
 
@@ -102,7 +102,8 @@ class Sample:
     def by_gap(self, now: Observation, joint: int) -> Floats:
         """What a joint's angle (F,) changes by with its gap."""
         gap, zero = float(now.gaps[joint]), float(now.zeros[joint])
-        return self._across(joint, gap, zero)[1] if gap > LEAST_PLAY else self._across(joint, LEAST_PLAY, 0.0)[1]
+        followed = (gap, zero) if gap > LEAST_PLAY else (LEAST_PLAY, 0.0)
+        return self._across(joint, *followed)[1]
 
     def _across(self, joint: int, gap: float, zero: float) -> tuple[Floats, Floats]:
         """A joint's angle (F,) across a gap [rad], and its derivative by the gap. Most models that are tried differ at
