@@ -7,7 +7,10 @@ from typing import TYPE_CHECKING, Any
 from serpenoid.media import LAWS
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from serpenoid.optimise.clearance import Clearance
+    from serpenoid.optimise.mesh import MeshStudy
     from serpenoid.optimise.solution import SelfClear
 
 
@@ -20,6 +23,16 @@ def dissipation_name(law: str) -> str:
 def goal_lines(record: dict[str, Any]) -> list[str]:
     """One line for every goal there is something to say of; none of a record that is older than they are."""
     return [f"goal              {words}" for words in record.get("goals", [])]
+
+
+def mesh_lines(mesh: MeshStudy, goals: Sequence[str], remedy: str, what: str = "") -> list[str]:
+    """What more steps make of this gait, and what that means for goals; remedy: how to solve or simulate with more."""
+    from serpenoid.optimise.refine import REFINED
+
+    lines = [f"mesh              {what}{mesh.words}"]
+    if not goals or mesh.within(REFINED):
+        return lines
+    return [*lines, f"{'':18}goals are judged with {mesh.steps} steps; with more they may be missed by that error: {remedy}"]
 
 
 def clear_lines(obstacles: Clearance | None, own: SelfClear | None) -> list[str]:

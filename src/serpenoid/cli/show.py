@@ -138,7 +138,7 @@ def _mesh(mesh: dict[str, Any]) -> str:
     if mesh["displacement_error"] is None:
         return "a finer one could not be simulated"
     limit, error = mesh["extrapolated_displacement_body_lengths"], mesh["displacement_error"]
-    said = f"{limit:.6f} body lengths for many steps; error of {mesh['steps'][0]} steps {error:.1e}"
+    said = f"the same gait with many steps: {limit:.6f} body lengths; error of {mesh['steps'][0]} steps {error:.1e}"
     turn, spent = mesh.get("extrapolated_turn_rad"), mesh.get("dissipation_error")  # not in older records
     said += f"; turn {turn:.6f} rad, error {mesh['turn_error_rad']:.1e}" if turn else ""
     return said if spent is None else f"{said}; dissipation {mesh['extrapolated_dissipation']:.6f}, error {spent:.1e}"

@@ -261,7 +261,7 @@ def _options(args: argparse.Namespace) -> list:
 
 
 def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: Refined | None = None) -> list[str]:
-    from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines
+    from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines, mesh_lines
     from serpenoid.performance import lighthill_efficiency
     from serpenoid.trajectory import floor_lines
 
@@ -287,10 +287,20 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: 
         f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
         f"polishing gain {gain}",
         *clear_lines(best.clearance, best.self_clearance),
-        f"mesh              {best.mesh.words}",
+        *mesh_lines(best.mesh, record["goals"], "--refine"),
+        *_optimum_lines(best, refined),
         *starts_lines(record),
         f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s){kept}{finer}",
     ]
+
+
+def _optimum_lines(best: Solution, refined: Refined | None) -> list[str]:
+    """That the mesh's error is of this gait, where a finer mesh may have another optimum and none was tried."""
+    from serpenoid.optimise.refine import REFINED
+
+    if refined is not None or not best.status.ok or best.mesh.within(REFINED):
+        return []
+    return [f"{'':18}this gait is the optimum of {best.mesh.steps} steps; with more another may be better: --refine"]
 
 
 def _case_lines(best: Solution) -> list[str]:
