@@ -209,7 +209,10 @@ def test_bounds_that_leave_only_gaits_there_and_back_are_recognised(
 
 def test_a_curve_that_is_run_back_moves_no_body_whatever_the_law() -> None:
     """Shapes on a curve that is no line, the second half in reverse order: by every law the way back undoes the way."""
-    way = np.linspace(0, 1, 9)[:, None] * np.array([1.0, -0.7, 0.4]) + np.array([[0.3 * k * (8 - k)] * 3 for k in range(9)]) / 16
+    way = (
+        np.linspace(0, 1, 9)[:, None] * np.array([1.0, -0.7, 0.4])
+        + np.array([[0.3 * k * (8 - k)] * 3 for k in range(9)]) / 16
+    )
     way[:, 1] *= way[:, 0]
     table = np.vstack([way, way[-2:0:-1]])
     assert there_and_back(table)

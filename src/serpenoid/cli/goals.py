@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.media import LAWS
+from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -12,12 +13,30 @@ if TYPE_CHECKING:
     from serpenoid.optimise.clearance import Clearance
     from serpenoid.optimise.mesh import MeshStudy
     from serpenoid.optimise.solution import SelfClear
+    from serpenoid.problem import Problem
 
 
 def dissipation_name(law: str) -> str:
     """Begins the line of the dissipation, T^(degree - 1) E: what does not depend on the number of steps."""
     factor = {0: "", 1: "T*"}.get(power := LAWS[law].degree - 1, f"T^{power}*")
     return f"dissipation {factor}E".ljust(18)
+
+
+def in_cycles(cycles: int) -> str:
+    """Ends a number that is of so many cycles together."""
+    return f" in {counted(cycles, 'cycle')}"
+
+
+def speed_lines(problem: Problem, displacement: float, cycles: int = 1) -> list[str]:
+    """Displacement [body lengths] of so many cycles per cycle and per second, in metres too; none if nothing is known."""
+    length, duration = problem.body.told_length_m, problem.task.cycle_duration_s
+    each = displacement / cycles
+    per_cycle = "" if problem.task.transient else " per cycle"
+    said = [f"{each:z.4g} body lengths{per_cycle}"] * (cycles > 1)
+    said += [] if length is None else [f"{each * length:z.4g} m{per_cycle}"]
+    said += [] if duration is None else [f"{each / duration:z.4g} body lengths/s"]
+    said += [] if duration is None or length is None else [f"{each * length / duration:z.4g} m/s"]
+    return [f"speed             {', '.join(said)}"] * bool(said)
 
 
 def goal_lines(record: dict[str, Any]) -> list[str]:
@@ -30,9 +49,10 @@ def mesh_lines(mesh: MeshStudy, goals: Sequence[str], remedy: str, what: str = "
     from serpenoid.optimise.refine import REFINED
 
     lines = [f"mesh              {what}{mesh.words}"]
-    if not goals or mesh.within(REFINED):
+    if mesh.within(REFINED) or not any(goal.endswith(" met") for goal in goals):
         return lines
-    return [*lines, f"{'':18}goals are judged with {mesh.steps} steps; with more they may be missed by that error: {remedy}"]
+    said = f"goals are met with {mesh.steps} steps; with many the same gait may miss them by this error: {remedy}"
+    return [*lines, f"{'':18}{said}"]
 
 
 def clear_lines(obstacles: Clearance | None, own: SelfClear | None) -> list[str]:

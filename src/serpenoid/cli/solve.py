@@ -74,6 +74,7 @@ def run(args: argparse.Namespace) -> int:
     _check_together(args)
     assignments = [*args.set, *([f"task.c={args.c!r}"] if args.c is not None else [])]
     problem = load(args.problem, assignments, args.model)
+    options.warn_of_speed(problem)
     if args.ladder:
         return climb_ladder(args, problem)
     return _improve(args, problem) if args.improve else _solve(args, problem)
@@ -261,7 +262,7 @@ def _options(args: argparse.Namespace) -> list:
 
 
 def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: Refined | None = None) -> list[str]:
-    from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines, mesh_lines
+    from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines, mesh_lines, speed_lines
     from serpenoid.performance import lighthill_efficiency
     from serpenoid.trajectory import floor_lines
 
@@ -275,6 +276,7 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: 
         f"status            {best.status.name.lower()}{'' if best.status.ok else f': {best.message}'}",
         *note_lines(best.note),
         f"displacement      {best.trajectory.displacement:z.6f} body lengths{'' if task.transient else ' per cycle'}",
+        *speed_lines(best.problem, best.trajectory.displacement),
         f"{dissipation_name(best.problem.medium.law)}{best.trajectory.dissipation:z.6f}",
         *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
         f"cost              {best.cost:z.6f} at c = {best.c:g}",

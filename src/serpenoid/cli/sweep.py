@@ -93,6 +93,7 @@ def run(args: argparse.Namespace) -> int:
     problems = [load(path, args.set, args.model) for path in args.problems]
     for problem in problems:
         check_weights(problem, values)
+        options.warn_of_speed(problem)
     folders = [_folder(args, problem, values) for problem in problems]
     if len(set(folders)) < len(folders):
         raise InputError("two of the problem files would write to the same folder: name each once, or rename one.")
@@ -107,7 +108,9 @@ def run(args: argparse.Namespace) -> int:
                 break
     else:
         summaries = _in_parallel(args, problems, values, folders)
-    options.report(args, summaries, [line for summary in summaries for line in _lines(summary, args.starts, args.refine)])
+    options.report(
+        args, summaries, [line for summary in summaries for line in _lines(summary, args.starts, args.refine)]
+    )
     for folder in folders:
         options.open_page(args, folder)
     if not all(s["complete"] for s in summaries):
@@ -122,9 +125,7 @@ def sweep_one(problem: Problem, values: list[float], folder: Path, settings: dic
     from serpenoid.studies.sweep_results import write_sweep
 
     polish = not settings["no_polish"]
-    result = sweep(
-        problem, values, settings["starts"], settings["seed"], folder, polish, advance, settings["refine"]
-    )
+    result = sweep(problem, values, settings["starts"], settings["seed"], folder, polish, advance, settings["refine"])
     return write_sweep(folder, result, figures=not settings["no_figures"])
 
 

@@ -54,7 +54,9 @@ def there_and_back(table: Floats) -> bool:
     tolerance = SAME_SHAPE * max(np.abs(centred).max(), np.finfo(float).tiny)
     on_a_line = np.linalg.matrix_rank(centred, tolerance * np.sqrt(centred.size)) <= 1
     back = table[::-1]
-    return bool(on_a_line) or any(np.abs(np.roll(back, k, axis=0) - table).max() <= tolerance for k in range(len(table)))
+    return bool(on_a_line) or any(
+        np.abs(np.roll(back, k, axis=0) - table).max() <= tolerance for k in range(len(table))
+    )
 
 
 def _drawn(problem: Problem) -> Floats:
