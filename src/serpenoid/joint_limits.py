@@ -62,8 +62,8 @@ def _speed_lines(problem: Problem, table: Floats) -> list[str]:
     shortest = ceil(turns * 60 / declared * 100) / 100
     if duration is None:
         return [
-            f"warning           joint_speed_limit_rpm = {declared:g} does not hold without `cycle_duration_s`; this gait keeps "
-            f"to it in cycles of {shortest:g} s or more"
+            f"warning           joint_speed_limit_rpm = {declared:g} does not hold without `cycle_duration_s`; this "
+            f"gait keeps to it in cycles of {shortest:g} s or more"
         ]
     speed = turns * 60 / duration
     if problem.joint_speed_limit_rpm is None:

@@ -28,7 +28,7 @@ def in_cycles(cycles: int) -> str:
 
 
 def speed_lines(problem: Problem, displacement: float, cycles: int = 1) -> list[str]:
-    """Displacement [body lengths] of so many cycles per cycle and per second, in metres too; none if nothing is known."""
+    """Displacement [body lengths] of so many cycles, per cycle and per second, and in metres, as far as known."""
     length, duration = problem.body.told_length_m, problem.task.cycle_duration_s
     each = displacement / cycles
     per_cycle = "" if problem.task.transient else " per cycle"

@@ -7,9 +7,9 @@
 other with warm starts; the best answer is taken at every c. Solved points are kept: the same command goes on where it
 was killed. A point that fails is recorded with its reason in sweep.csv, and the sweep goes on (exit code 1 at the end).
 
-Each point is an optimum of gaits of `task.steps` rows, and with more rows the optimum may be another gait: a family over c
-can have kinks that are the mesh's. `--refine` solves every point again with more steps until the error of its displacement
-is below 0.1 %.
+Each point is the optimum with `task.steps` rows; with more rows the optimum may be another gait. A family over c can
+have kinks that come from the mesh. `--refine` solves every point again with more steps until the error of its
+displacement is below 0.1 %.
 
 The cost of transport is (p_idle + dissipation) / displacement, with p_idle the idle energy per cycle in units of the
 normalised dissipation; with [power] in the problem file also in SI.

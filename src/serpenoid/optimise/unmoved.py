@@ -3,9 +3,9 @@
 Scallop theorem: where a cycle runs through a curve of shapes and back through the same shapes, the body is where it was
 after it. Every law here is a function of the squared slip, the same for a step and for the step back, so the step back
 undoes the step; and forces grow with a power of the speed, so how fast the curve is run through does not count. One
-joint has no other cycles. Nor have gaits whose shapes lie on a straight line in shape space, or repeat in reverse order.
-That holds of all gaits within bounds if it holds of two that are drawn from them at random: joint angles are analytic in
-the parameters, so what is zero of generic ones is zero of all. Source: Purcell, Am. J. Phys. 45, 1977.
+joint has no other cycles. Nor have gaits whose shapes lie on a straight line in shape space, or repeat in reverse
+order. That holds of all gaits within bounds if it holds of two drawn from them at random: joint angles are analytic
+in the parameters, so what is zero of generic ones is zero of all. Source: Purcell, Am. J. Phys. 45, 1977.
 """
 
 from __future__ import annotations
@@ -24,8 +24,9 @@ ONE_JOINT = (
     "was (scallop theorem). Give [body] a second joint: more `vertices`, or more `joints`."
 )
 THERE_AND_BACK = (
-    "every gait that [task.bounds] allows runs through the same shapes there and back, and after a cycle the body is where "
-    "it was (scallop theorem). Widen the bounds until the shapes can go round a loop: of an ellipse, a `sigma` other than 0."
+    "every gait that [task.bounds] allows runs through the same shapes there and back, and after a cycle the body is "
+    "where it was (scallop theorem). Widen the bounds until the shapes can go round a loop: of an ellipse, a `sigma` "
+    "other than 0."
 )
 NOT_ASKED = (
     "no goal asks it to move. Ask for `displacement`, for a place or heading that it does not begin with, or demand "
