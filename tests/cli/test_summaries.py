@@ -88,6 +88,16 @@ def test_a_speed_limit_that_does_not_hold_is_told_even_where_all_else_is_quiet(
     assert "does not hold" not in capsys.readouterr().err
 
 
+def test_of_what_cannot_be_met_together_the_parts_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A body that bends by no more than 10 degrees has no gait of amplitude 12."""
+    limited = BODY.replace("vertices = 4", "vertices = 4\njoint_limit_deg = 10")
+    asked = written(tmp_path, limited + MEDIUM + "[task.bounds]\na = [12.0, 15.0]\n")
+    assert main(["solve", asked, *SMALL, "--starts", "1", "--out", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr().err
+    assert "degrees, its limit is 10; " in said
+    assert "a = 12, a bound" in said
+
+
 @pytest.mark.parametrize("verb", ["simulate", "solve"])
 def test_a_joint_table_that_is_not_there_is_told_with_the_file_and_key_that_name_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], verb: str

@@ -34,7 +34,7 @@ from typing import TYPE_CHECKING, Any
 from serpenoid.cli import options
 from serpenoid.cli.claim import sign
 from serpenoid.cli.iterations import Iterations
-from serpenoid.cli.starts import bound_lines, note_lines, refinement, starts_lines, summary
+from serpenoid.cli.starts import MOST_BOUNDS, bound_lines, note_lines, refinement, starts_lines, summary
 from serpenoid.wording import counted
 
 if TYPE_CHECKING:
@@ -239,6 +239,11 @@ def _why(best: Solution) -> str | None:
             f"task.constraints.heading_change_rad = {heading:g}: no gait was found that turns so far in one cycle. "
             "Ask for a smaller heading change, or allow larger amplitudes and joint angles."
         )
+    if best.status is Status.INFEASIBLE and (missed := _missed(best)):
+        return (
+            f"no start met all constraints. The nearest gait that was found: {'; '.join(missed)}. These may exclude "
+            "each other: relax one of them, or try more starts (--starts)."
+        )
     if best.status in (Status.NOT_CONVERGED, Status.NOT_STATIONARY) and (why := why_unsolved(problem)) is not None:
         return why
     if problem.family_of().free and not _calm(problem):
@@ -247,6 +252,21 @@ def _why(best: Solution) -> str | None:
             "(or [task.bounds] angle) and joint_speed_limit_rpm, or a `bending` term among [[task.objectives]]."
         )
     return None
+
+
+def _missed(best: Solution) -> list[str]:
+    """What the gait misses or exceeds, and the bounds that it ended at."""
+    from serpenoid.joint_limits import limit_lines
+    from serpenoid.optimise.outcomes import goal_words
+
+    if not best.trajectory.status.ok:
+        return []
+    goals = goal_words(best.problem, best.table, best.trajectory, best.self_clearance)
+    warned = [
+        line.removeprefix("warning").strip() for line in limit_lines(best.problem, best.table) if "warning" in line
+    ]
+    bounds = [f"{name}, a bound" for name in best.at_bounds[:MOST_BOUNDS]]
+    return [*(goal for goal in goals if "missed" in goal), *warned, *bounds]
 
 
 def _calm(problem: Problem) -> bool:
