@@ -190,7 +190,10 @@ def test_links_of_a_body_without_edges_are_as_the_question_says(tmp_path: Path, 
     capsys.readouterr()
     with pytest.raises(SystemExit):
         main(["new", "problem", "--help"])
-    assert "half as long at both ends" in " ".join(capsys.readouterr().out.split())
+    said = " ".join(capsys.readouterr().out.split())
+    assert "half as long at both ends" in said
+    assert "Mass in kilograms (default 0.9, of an animal none)" in said
+    assert "(default 0.2, of a swimmer 0.5)" in said
 
 
 def test_edges_alone_say_how_many_joints_there_are(tmp_path: Path) -> None:

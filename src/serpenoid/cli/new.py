@@ -34,8 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         sub = kinds.add_parser(kind, help=f"a {kind} file", description=f"Write a {kind} file.")
         sub.add_argument("path", nargs="?", type=Path, default=Path(template.default_path), metavar="FILE")
         for question in template.questions:
-            default = f" (default {question.default})" if question.default else ""
-            sub.add_argument(f"--{question.name}", metavar="X", help=f"{question.text}{default}")
+            sub.add_argument(f"--{question.name}", metavar=question.name.upper(), help=question.help)
         sub.add_argument("--yes", action="store_true", help="ask nothing: the defaults, where no option answers")
 
 

@@ -43,7 +43,7 @@ QUESTIONS = (
     ),
     Question(
         "wheels",
-        "Where do wheels (feet, scales) meet the floor: at the joints, or in the middles of links?",
+        "Where do wheels (feet, scales) meet the floor: at the `joints`, or in the `middles` of links?",
         "joints",
         one_of("joints", "middles"),
         of_robots=True,
@@ -53,7 +53,7 @@ QUESTIONS = (
     Question("cycle-duration", "Seconds per cycle", DURATION, or_empty(number(0, 600)), animals=UNKNOWN),
     Question(
         "dissipation",
-        "Is drag at each vertex (wheels, feet), or along each edge (a smooth body)?",
+        "Is drag at each `vertex` (wheels, feet), or along each `edge` (a smooth body)?",
         "vertex",
         one_of("vertex", "edge"),
         animals=dict.fromkeys(ANIMALS, "edge"),

@@ -34,6 +34,14 @@ class Question:
         """The default beside what is answered already."""
         return self.animals.get(answers.get("kind") or "", self.default)
 
+    @property
+    def help(self) -> str:
+        """What is asked, and the defaults."""
+        said = [f"default {self.default}"] if self.default else []
+        said += ["of an animal none"] if self.of_robots else []
+        said += [f"of a {kind} {default or 'none'}" for kind, default in self.animals.items()]
+        return f"{self.text} ({', '.join(said)})" if said else self.text
+
     def passed_over(self, answers: Answers) -> bool:
         """Whether it is none of an animal's."""
         return self.of_robots and answers.get("kind") in ANIMALS
