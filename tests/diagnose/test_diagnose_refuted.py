@@ -83,7 +83,7 @@ def test_what_is_named_is_no_refutation(healthy):
     assert refuted(Stage("observation", words=("frames are off",), squares=(1.5,) * 20), body.joint_count) == []
     found = shapes_believed(recordings, Observation.neutral(body), settled, known)
     assert not found.words
-    assert found.recordings == tuple(recordings)
+    assert all(a is b for a, b in zip(found.recordings, recordings, strict=True))
 
 
 def test_what_markers_never_show_they_do_not_refute(healthy):

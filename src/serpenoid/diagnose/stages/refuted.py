@@ -44,7 +44,6 @@ class Believed:
     words: str = ""
 
 
-@remembered
 def shapes_believed(
     recordings: Sequence[Recording], seen: Observation, observation: Stage, baseline: Baseline
 ) -> Believed:
@@ -91,6 +90,7 @@ def bends(r: Recording, seen: Observation, joints: Sequence[int]) -> Floats:
     return found
 
 
+@remembered
 def missed(by: Believed, baseline: Baseline) -> float:
     """RMS [m] of what the model of what is known misses of a window's way, with eps fitted; infinite without a path."""
     try:
