@@ -56,6 +56,7 @@ def test_a_joint_that_bends_otherwise_than_it_reads_is_believed_to_bend_as_marke
         inside = (r.time > 0) & (r.time < r.end)
         off = (r.angles - true.angles)[inside]
         assert np.sqrt((off[:, JOINT] ** 2).mean()) < OFF / 50  # markers' noise, averaged
+        assert np.flatnonzero(r.by_markers).tolist() == [JOINT]
         assert np.abs(np.delete(off, JOINT, axis=1)).max() < TICK / 100  # of other joints readings alone count
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.clocks import Clock
@@ -185,11 +186,16 @@ class Recording:
         return fitted(sources, corners, apart, self.carrier is not None or not self.by_servos, self.carrier)
 
     @property
+    def by_markers(self) -> NDArray[np.bool_]:
+        """At which joints (m,) bends are what markers show."""
+        if self.shown is None:
+            return np.full(self.body.joint_count, not self.by_servos)
+        return np.asarray(np.isfinite(self.shown).any(axis=0))
+
+    @property
     def _believed(self) -> Floats:
         """Readings (R, m), NaN of joints at which markers are believed."""
-        if self.shown is None:
-            return self.position
-        return np.where(np.isfinite(self.shown).any(axis=0), np.nan, self.position)
+        return self.position if self.shown is None else np.where(self.by_markers, np.nan, self.position)
 
     def _shown(self, read: ShapeInTime) -> list[Source]:
         """Marker angles on the frames, the joints' own zeros taken out, where they are known often enough."""
