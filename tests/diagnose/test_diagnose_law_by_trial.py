@@ -32,7 +32,7 @@ def recordings(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, ...
 
 
 def lagging(recordings: tuple[Recording, ...], lags: list[float]) -> Plays:
-    """Servos that follow rows that run with a lag [s] of its own in each trial; what they were told is known in time."""
+    """Servos that follow rows that run with a lag [s] of its own in each trial; when they were told so is known."""
     rng = np.random.default_rng(4)
 
     def late(r: Recording, lag: float) -> Recording:

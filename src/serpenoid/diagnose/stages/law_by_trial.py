@@ -28,7 +28,7 @@ LEAST = 4  # trials: three points lie nearly on a line by chance
 
 @dataclass(frozen=True)
 class ByTrial:
-    """How a law differs from trial to trial, in words; steady: whether it runs one way, by no step that is most of all."""
+    """How a law differs from trial to trial, in words; steady: whether it runs one way, and not mostly by one step."""
 
     words: str
     steady: bool
