@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.clocks import Clock
@@ -45,6 +46,7 @@ class Recording:
     the campaign promises of a cycle's duration, where that is another.
     strays: vertices whose markers were off in a single frame, and by how much [m]: they count as hidden.
     goals: whether commands that jump are taken as goals, each run to until the next is given.
+    shown (F, m): bends that markers show [rad] of joints whose readings they refute, NaN elsewhere; None: of no joint.
     """
 
     name: str
@@ -67,6 +69,7 @@ class Recording:
     asked_cycle_s: float | None = None
     strays: tuple[tuple[int, float], ...] = ()
     goals: bool = False
+    shown: Floats | None = None
 
     @property
     def held_as_told(self) -> bool | None:
@@ -169,7 +172,9 @@ class Recording:
         corners = np.unique(np.concatenate([begun, begun[:-1] + schedule.cycle_duration_s]))
         apart = spacing(schedule.cycle_duration_s)
         sd, tick = np.full(self.body.joint_count, READING_SD), TICK if self.by_servos else 0.0
-        sources = [Source.of(log_s, self.position, sd, tick).until(self.promised_s)]
+        sources = [Source.of(log_s, self._believed, sd, tick)]
+        sources += [] if self.shown is None else [Source.of(self.time, self.shown, sd)]
+        sources = [s.until(self.promised_s) for s in sources]
         slow = float(np.median(np.diff(log_s)))
         if self.by_servos and apart < PER_KNOT * slow:
             read = fitted(sources, corners, max(apart, slow), carrier=self.carrier)
@@ -179,6 +184,18 @@ class Recording:
             sources += shown
         sources = [s.until(self.promised_s) for s in sources]
         return fitted(sources, corners, apart, self.carrier is not None or not self.by_servos, self.carrier)
+
+    @property
+    def by_markers(self) -> NDArray[np.bool_]:
+        """At which joints (m,) bends are what markers show."""
+        if self.shown is None:
+            return np.full(self.body.joint_count, not self.by_servos)
+        return np.asarray(np.isfinite(self.shown).any(axis=0))
+
+    @property
+    def _believed(self) -> Floats:
+        """Readings (R, m), NaN of joints at which markers are believed."""
+        return self.position if self.shown is None else np.where(self.by_markers, np.nan, self.position)
 
     def _shown(self, read: ShapeInTime) -> list[Source]:
         """Marker angles on the frames, the joints' own zeros taken out, where they are known often enough."""
