@@ -99,3 +99,21 @@ def test_what_markers_never_show_they_do_not_refute(healthy):
     stage = said_of(body.joint_count, range(JOINT, JOINT + 1))
     found = shapes_believed([hidden(r) for r in recordings], Observation.neutral(body), stage, known)
     assert not found.words
+
+
+def test_where_both_miss_nearly_as_much_nobody_is_blamed(healthy, monkeypatch):
+    recordings, known = healthy
+    body = recordings[0].body
+    stage = said_of(body.joint_count, range(JOINT, JOINT + 1))
+    for misses, said in (
+        ((0.9, 1.0), ""),
+        ((1.0, 0.9), f"motion is judged by the bend that markers show at joint {JOINT + 1}: "),
+    ):
+        left = dict(zip((True, False), misses, strict=True))
+        monkeypatch.setattr(
+            "serpenoid.diagnose.stages.refuted.missed", lambda by, _, left=left: left[by.recordings[0].shown is None]
+        )
+        words = shapes_believed(recordings, Observation.neutral(body), stage, known).words
+        assert words.startswith(said)
+        assert bool(words) == bool(said)
+        assert "look for" not in words

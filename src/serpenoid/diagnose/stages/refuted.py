@@ -22,6 +22,7 @@ from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.data.tracks import NoPath, tracker
 from serpenoid.diagnose.inference.finding import VISIBLE, Stage
+from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import eps_alone
 from serpenoid.diagnose.stages.marker_evidence import shown_otherwise
@@ -56,9 +57,12 @@ def shapes_believed(
     by_readings, by_shown = missed(read, baseline), missed(shown, baseline)
     which = f"joint{'s' if len(joints) > 1 else ''} {listed([str(j + 1) for j in joints])}"
     off = f"a window is off by {1e3 * by_shown:.3g} mm by what markers show, by {1e3 * by_readings:.3g} mm by readings"
-    if by_shown < by_readings:
+    if by_readings <= by_shown:
+        clear = by_readings < (1 - LAW_ERROR) * by_shown
+        return replace(read, words=f"motion sides with the readings at {which}: {off}; {MOVES}") if clear else read
+    if by_shown < (1 - LAW_ERROR) * by_readings:
         return replace(shown, words=f"motion sides with the markers at {which}: {off}; {GIVES}")
-    return replace(read, words=f"motion sides with the readings at {which}: {off}; {MOVES}")
+    return replace(shown, words=f"motion is judged by the bend that markers show at {which}: {off}")
 
 
 def refuted(observation: Stage, joints: int) -> list[int]:
