@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
-from typing import Literal
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -40,6 +40,7 @@ class Parameter:
     the neutral value is infinite.
     typical: a moderate value, for examples and tests, and the coordinate's scale in fits.
     resolution: how well instruments can tell it at all, whatever the noise; intervals are no narrower.
+    step: of the coordinate, by which fits take differences; 0: so little that only rounding is beyond.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Parameter:
     power: int = 1
     resolution: float = 0.0
     over_drag: bool = False
+    step: float = 0.0
 
     def unit_in(self, law: Law) -> str:
         """The unit in a medium of this law: a force over the drag level is a speed to the power of (degree - 1)."""
@@ -249,6 +251,16 @@ class Wave:
         mean = (quarters[0] + quarters[2]) / 2
         return mean, quarters[0] - mean, quarters[1] - mean
 
+    def later(self, rows: ca.SX) -> Wave:
+        """A wave so many rows later, on straight lines from row to row."""
+        whole = ca.floor(rows)
+        part = rows - whole
+
+        def at(row: ca.SX) -> ca.SX:
+            return (1 - part) * self.at(row - whole) + part * self.at(row - whole - 1)
+
+        return replace(self, at=at)
+
     def filtered(self, top: tuple[ca.SX, ca.SX], bottom: tuple[ca.SX, ca.SX]) -> Wave:
         """A sine that comes out smaller or larger, and later: by a factor top / bottom, each (real, imaginary)."""
         size = bottom[0] ** 2 + bottom[1] ** 2
@@ -288,6 +300,11 @@ class ActuationEffect(Effect):
         """Coordinates (m,), by joint, where fits of its parameter to readings (R, m) [rad], NaN unread, may begin; of
         several parameters (P, m). quickest: speed (m,) of the set-points [rad/s]."""
         return [np.full(readings.shape[1], self.parameters[0].resting)]
+
+    def late(self, p: Symbols) -> Any:
+        """By how much later [s] all that servos do comes, all joints alike: laws that do not know the time are the same
+        before and after it. Of symbols, or of numbers."""
+        return 0.0
 
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
         """Joint angle after `duration` [s] of a set-point that runs linearly from `before` to `after` [rad]; `angle`:
