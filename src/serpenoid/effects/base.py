@@ -40,7 +40,8 @@ class Parameter:
     the neutral value is infinite.
     typical: a moderate value, for examples and tests, and the coordinate's scale in fits.
     resolution: how well instruments can tell it at all, whatever the noise; intervals are no narrower.
-    step: of the coordinate, by which fits take differences; 0: so little that only rounding is beyond.
+    across: by how much fits change the coordinate where set-points jump, so that some readings are moved across a jump;
+    0: as little as elsewhere.
     """
 
     name: str
@@ -53,7 +54,7 @@ class Parameter:
     power: int = 1
     resolution: float = 0.0
     over_drag: bool = False
-    step: float = 0.0
+    across: float = 0.0
 
     def unit_in(self, law: Law) -> str:
         """The unit in a medium of this law: a force over the drag level is a speed to the power of (degree - 1)."""
@@ -77,6 +78,10 @@ class Parameter:
         first = {self.unit_in(law): law.title for law in reversed(LAWS.values())}
         others = [f"with {title} {unit}" for unit, title in reversed(first.items()) if unit != self.unit]
         return "; ".join([self.unit, *others])
+
+    def small(self, jumps: bool = False) -> float:
+        """By how much fits change the coordinate to see what that does; jumps: whether set-points do."""
+        return (self.across if jumps else 0.0) or 1e-4 * max(abs(self.coordinate(self.typical)), 1e-3)
 
     @property
     def resting(self) -> float:
@@ -283,12 +288,15 @@ class ActuationEffect(Effect):
 
     memory: how many numbers of what went before the answer depends on: the joint's angle, then others that are equal to
     it at rest. shown: whether the servo's reading shows the true angle.
-    limits: whether an optimised gait stays slow enough to be played as it is commanded (`speed_limit`).
+    limits: whether an optimised gait stays slow enough to be played as it is commanded (`speed_limit`). dead_time:
+    whether its one parameter is a time [s] by which all joints are told later: laws that do not know the time are the
+    same before and after that.
     """
 
     memory: int = 0
     shown: bool = True
     limits: bool = False
+    dead_time: bool = False
     needs_seconds: bool = False
 
     @property
@@ -302,9 +310,8 @@ class ActuationEffect(Effect):
         return [np.full(readings.shape[1], self.parameters[0].resting)]
 
     def late(self, p: Symbols) -> Any:
-        """By how much later [s] all that servos do comes, all joints alike: laws that do not know the time are the same
-        before and after it. Of symbols, or of numbers."""
-        return 0.0
+        """By how much later [s] all is done that servos do: of symbols, or of numbers."""
+        return getattr(p, self.parameters[0].name) if self.dead_time else 0.0
 
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
         """Joint angle after `duration` [s] of a set-point that runs linearly from `before` to `after` [rad]; `angle`:

@@ -106,8 +106,11 @@ def followed(data: Plays, played: Floats) -> bool:
 
 
 def shown(data: Plays) -> list[ActuationEffect]:
-    """Actuation effects that readings show, but for those left out."""
-    return [k for k in actuation_effects() if k.shown and k.name not in data.without]
+    """Actuation effects that readings show, but for those left out. A dead time is a late start where nothing says when
+    trials began."""
+    said = all(data.said(r) for r in data.recordings)
+    every = (k for k in actuation_effects() if k.shown and k.name not in data.without)
+    return [k for k in every if said or not k.dead_time]
 
 
 def attempts(data: Plays, base: Sequence[ActiveEffect]) -> list[Attempt]:
@@ -145,7 +148,7 @@ def fit_everywhere(
     tried = [own(data.chi2(play(x))) for x in begun] if len(begun) > 1 else [np.zeros(len(places))]
     values = np.choose(np.argmin(tried, axis=0), begun)
     positive = np.array([p.lower >= 0 for p in parameters]) & (values > 0).all(axis=1)
-    small = np.diag([1e-4 * max(abs(p.coordinate(p.typical)), 1e-3) for p in parameters])[..., None]
+    small = np.diag([p.small(data.held) for p in parameters])[..., None]
     sizes, near = small.sum(axis=0), 1e-4 * np.array([[abs(p.typical)] for p in parameters])
     best = play(values)
     left, damping = data.left(best), np.ones(len(places))
@@ -204,7 +207,7 @@ def fit_together(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEff
     parameters = [p for e in chosen for p in e.effect.parameters]
     owner = [e for e in chosen for _ in e.effect.parameters]
     ends = np.cumsum([len(e.effect.parameters) for e in chosen])[:-1]
-    small = 1e-4 * np.array([max(abs(p.coordinate(p.typical)), 1e-3) for p in parameters])
+    small = np.array([p.small(data.held) for p in parameters])
     sets = _side_by_side(owner)
 
     def at(x: Floats) -> list[ActiveEffect]:
@@ -325,7 +328,8 @@ def slopes_of(data: Plays, chosen: Sequence[ActiveEffect], effect: ActiveEffect,
     others = [e for e in chosen if e.key != effect.key]
     played, missed = [], []
     for k, (p, x) in enumerate(zip(effect.effect.parameters, effect.coordinates, strict=False)):
-        step = 1e-4 * max(abs(x), 1e-3 * abs(p.coordinate(p.typical)))
+        little = 1e-4 * max(abs(x), 1e-3 * abs(p.coordinate(p.typical)))
+        step = (p.across if data.held else 0.0) or little
         moved = data.realised([*others, effect.moved(k, step)])
         played.append(np.where(data.read, moved - here, 0.0) / step / data.noise)
         missed.append(data.slope(here, moved, step) / data.noise)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 import numpy as np
 
@@ -11,15 +9,11 @@ from serpenoid.body import Floats
 from serpenoid.effects.base import ActuationEffect, Parameter, Symbols, Wave
 
 BEGUN = 10e-3 * 2.0 ** np.arange(5)  # s: where fits begin, an octave apart: far from it, what is late gains nothing
-SEEN = 2e-3  # s: where rows jump, a reading is moved across a jump or is not; some are by so much
+SEEN = 2e-3  # s: of readings a hundredth of a second apart, a fifth of those beside a jump are moved across it
 
 
 class ServoDelay(ActuationEffect):
     """A dead time. It changes when servos are told, not what they make of it."""
-
-    def late(self, p: Symbols) -> Any:
-        """All of it."""
-        return p.delay
 
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
         """As they are told, once they are."""
@@ -37,10 +31,11 @@ class ServoDelay(ActuationEffect):
 EFFECT = ServoDelay(
     name="servo_delay",
     place=None,
-    parameters=(Parameter("delay", "s", 0.0, 5.0, 0.0, 0.05, "dead time", step=SEEN),),
+    parameters=(Parameter("delay", "s", 0.0, 5.0, 0.0, 0.05, "dead time", across=SEEN),),
     looks_like="every servo reads the commanded wave whole, corners and all, and later by the same time at every speed",
     what_to_do="look for what holds commands back: latency of the bus or its adapter, a slow control loop, a filter",
     needs=frozenset({"servos"}),
     rank=-1,
+    dead_time=True,
     needs_seconds=True,
 )
