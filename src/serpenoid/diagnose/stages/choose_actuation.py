@@ -17,12 +17,12 @@ from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_g
 from serpenoid.diagnose.stages.actuation import (
     Attempt,
     attempts,
-    fit_everywhere,
-    fit_together,
     followed,
     needed,
+    refined,
     shown,
     slopes_of,
+    with_laws,
 )
 from serpenoid.diagnose.stages.displaced_markers import displaced_marker
 from serpenoid.diagnose.stages.plays import Plays
@@ -34,7 +34,6 @@ from serpenoid.measure.logs import TICK
 from serpenoid.parallel import in_processes
 
 AT_MOST = 7  # effects; two more than joints where these are many: all servos may be weak
-CENTRED = np.linspace(0.0, 1.0, 5)  # of a move that leaves no trial's start, in the mean, to explain anything
 AT_REST = 0.1  # of a tick, from one reading to the next
 
 
@@ -80,7 +79,9 @@ def choose_actuation(data: Plays) -> Stage:
         new, best = _one_more(best, [t.effect for t in tries], [p.chi2 for p in one_more], found)
         if _strength(data, new) < VISIBLE:
             break
-    best = _of_all_anew(Played(data, _refined(data, best.effects)))
+        if new.place is None and not followed(data, best.angles):  # before what it leaves looks like faults of joints
+            best = _of_all_anew(best)
+    best = _of_all_anew(Played(data, refined(data, best.effects)))
     best = earned(best, bare, _each_without, lambda found: needed(data, found.effects))
     best, refused = lawful(best, lambda found: list(found.effects), _law_error, _without)
     squares = data.structure(best.angles)
@@ -123,7 +124,7 @@ def _one_more(
     by_chi2 = sorted(range(len(tries)), key=lambda i: chi2[i], reverse=True)
     kinds = {_numbers(tries[i]): i for i in by_chi2} | {_numbers(tries[found]): found}
     chosen = [tries[i] for size, i in sorted(kinds.items()) if size <= _numbers(tries[found])]
-    grown = [Played(best.data, _refined(best.data, [*best.effects, new], new)) for new in chosen]
+    grown = [Played(best.data, refined(best.data, [*best.effects, new], new)) for new in chosen]
     cheaper = cheapest(best.priced, [g.priced for g in grown], len(tries)) if len(grown) > 1 else None
     index = len(grown) - 1 if cheaper is None else cheaper
     return chosen[index], grown[index]
@@ -135,7 +136,7 @@ def _of_all_anew(best: Played) -> Played:
     left."""
     while True:
         sets = _others_of_all(best)
-        grown = [Played(best.data, e) for e in in_processes([(_with_laws, (best, names)) for names in sets])]
+        grown = [Played(best.data, e) for e in in_processes([(with_laws, (best.data, best.effects, s)) for s in sets])]
         found = cheapest(best.priced, [g.priced for g in grown], len(grown))
         if found is None:
             return best
@@ -143,26 +144,14 @@ def _of_all_anew(best: Played) -> Played:
 
 
 def _others_of_all(best: Played) -> list[tuple[str, ...]]:
-    """Laws without a place, by name, in sets of as many numbers as those that were found."""
+    """Sets of laws without a place, by name, of no more numbers than those that were found, which lack one of them at
+    most; a set with no other law in it is left to `earned`."""
     own = {e.name for e in best.effects if e.place is None}
     numbers = {k.name: len(k.parameters) for k in shown(best.data) if k.place is None}
     size = sum(numbers.get(name, 0) for name in own)
-    more = bool(best.data.structure(best.angles).max() > 0)
-    sets = (names for count in range(1, size + 2) for names in combinations(numbers, count))
-    asked = (size, size + 1) if more else (size,)
-    return [s for s in sets if size and set(s) != own and sum(numbers[name] for name in s) in asked]
-
-
-def _with_laws(best: Played, names: Sequence[str]) -> tuple[ActiveEffect, ...]:
-    """These laws of all servos beside what was found at joints: those that were there, then one after the other from
-    where its fits begin, and all together."""
-    data = best.data
-    effects = [e for e in best.effects if e.place is not None or e.name in names]
-    for name in (n for n in names if all(e.name != n for e in effects)):
-        kind = next(k for k in shown(data) if k.name == name)
-        (alone,) = fit_everywhere(data, name, effects, kind.starts(data.readings, data.quickest))
-        effects.append(alone.effect)
-    return _refined(data, effects)
+    most = size + bool(best.data.structure(best.angles).max() > 0)
+    sets = (s for count in range(1, most + 1) for s in combinations(numbers, count)) if size else ()
+    return [s for s in sets if not own >= set(s) and len(own - set(s)) <= 1 and sum(numbers[n] for n in s) <= most]
 
 
 def _unlike(best: Played, joint: int, left: float) -> str:
@@ -219,48 +208,13 @@ def _rivals(best: Played, effect: ActiveEffect, singles: list[Attempt]) -> list[
 
 
 def _each_without(best: Played) -> list[Played]:
-    tasks = [(_refined, (best.data, [e for e in best.effects if e is not out], out)) for out in best.effects]
+    tasks = [(refined, (best.data, [e for e in best.effects if e is not out], out)) for out in best.effects]
     return [Played(best.data, effects) for effects in in_processes(tasks)]
 
 
 def _without(best: Played, index: int) -> Played:
     kept = [e for i, e in enumerate(best.effects) if i != index]
-    return Played(best.data, _refined(best.data, kept, best.effects[index]))
-
-
-def _refined(data: Plays, chosen: Sequence[ActiveEffect], new: ActiveEffect | None = None) -> tuple[ActiveEffect, ...]:
-    """Fit each given the others, at its own joint alone, twice round. new: what came to them, or left them, just now;
-    those at other joints stay as they are: no joint touches another, but by when a trial began. Where nothing says when
-    that was, all are fitted together, and so they are where several laws share all joints."""
-    chosen = list(chosen)
-    shared = sum(e.place is None for e in chosen) > 1
-    if chosen and (shared or not all(data.begun(r) for r in data.recordings)):
-        return _told_later(data, fit_together(data, chosen))
-    touched = {e.place for e in chosen} if new is None or new.place is None else {None, new.place}
-    for _ in range(2):
-        for i, effect in enumerate(chosen):
-            if effect.place not in touched:
-                continue
-            others = [e for e in chosen if e is not effect]
-            start = np.tile(np.array(effect.coordinates[:-1])[:, None], (1, data.readings.shape[1]))
-            (alone,) = fit_everywhere(data, effect.name, others, [start], effect.place)
-            chosen[i] = alone.effect
-    return _told_later(data, chosen)
-
-
-def _told_later(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:
-    """With a dead time about which trials begin when logs say, as far as readings leave that open: each may begin a
-    little later, or they are all told later. A start that is open has the variance that it is given in intervals."""
-    late = next((e for e in chosen if isinstance(e.effect, ActuationEffect) and e.effect.dead_time), None)
-    if late is None:
-        return tuple(chosen)
-    most = np.array([data.unsure_start(r) for r in data.recordings])
-    whole = float(data.later(chosen).mean())
-    tried = [tuple(e.moved(0, share * whole) if e is late else e for e in chosen) for share in CENTRED]
-    costs = [
-        float(data.chi2(data.realised(t)).sum() + 3 * ((data.later(t) / most) ** 2).sum()) for t in tried
-    ]
-    return tried[int(np.argmin(costs))]
+    return Played(best.data, refined(best.data, kept, best.effects[index]))
 
 
 def _named(best: Played, effect: ActiveEffect) -> Named:

@@ -45,7 +45,9 @@ def _met(
     model = found.model(effects)
     between = [_between(r) if model.actuation_effects else np.zeros(1) for r in recordings]  # known ones among them
     late = late_by(coordinates(model))  # corners are then, too
-    meshes = [np.unique(np.concatenate([corners(r.schedule) + late, t])) for r, t in zip(recordings, between, strict=True)]
+    meshes = [
+        np.unique(np.concatenate([corners(r.schedule) + late, t])) for r, t in zip(recordings, between, strict=True)
+    ]
     told = [r.schedule.commanded(t) for r, t in zip(recordings, meshes, strict=True)]
     rested = [came_from(r, t) for r, t in zip(recordings, told, strict=True)]
     played = realise_all(model, told, meshes, came_from=rested)
