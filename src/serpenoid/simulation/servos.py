@@ -82,22 +82,12 @@ def asked_earlier(setpoints: Floats, times: Floats, late: float) -> tuple[Floats
     return told, mesh, np.searchsorted(mesh, earlier)
 
 
-def asked_rows(table: Floats, rows: float, closed: bool = True) -> Floats:
-    """What the rows of a table (..., T, m) ask of servos that are so many rows late, on straight lines between rows. A
-    closed table is played again and again; one that is not begins at rest."""
-    here, part = rows_before(table.shape[-2], rows, closed)
-    return np.asarray(sum(share * table[..., at, :] for share, at in zip(part, here, strict=True)))
-
-
-def rows_before(
-    count: int, rows: float, closed: bool = True
-) -> tuple[tuple[NDArray[np.int64], NDArray[np.int64]], tuple[float, float]]:
-    """The two rows (T,) between which a moment is that is so many rows before each row, and their shares."""
+def asked_rows(table: Floats, rows: float) -> Floats:
+    """What a joint table (T, m), played again and again, asks of servos that are so many rows late, at each row: on
+    straight lines between rows."""
     whole = int(np.floor(rows))
-    first, second = (np.arange(count) - whole - more for more in (0, 1))
     part = rows - whole
-    both = (first % count, second % count) if closed else (np.maximum(first, 0), np.maximum(second, 0))
-    return both, (1 - part, part)
+    return np.asarray((1 - part) * np.roll(table, whole, axis=0) + part * np.roll(table, whole + 1, axis=0))
 
 
 def realise_gait(model: Model, table: Floats) -> Floats:

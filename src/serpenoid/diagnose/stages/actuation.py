@@ -29,6 +29,9 @@ from serpenoid.files.store import remembered
 from serpenoid.parallel import in_processes
 
 STEPS = 7
+ROUGHLY = (
+    20  # steps of candidates that share all joints: one falls where the other rises, and fits go along that valley
+)
 REACH, SHRUNK = 3.0, 0.7  # of a positive scale: by how much more, and less, it is at most after one step
 RIDGE = 1e-9  # of a parameter's own slope, where two may do the same
 HOPELESS = 1e6  # damping: no step gains anything
@@ -110,7 +113,7 @@ def _measured(data: Plays, every: Sequence[Floats]) -> Plays:
 def _by_all(data: Plays, names: Sequence[str]) -> Floats:
     """What servos play (R, m), as they are told or with laws fitted to all of them."""
     laws = _in_turn(data, (), names)
-    return data.realised(fit_together(data, laws, STEPS) if len(laws) > 1 else laws)
+    return data.realised(fit_together(data, laws, ROUGHLY) if len(laws) > 1 else laws)
 
 
 def _in_turn(data: Plays, found: Sequence[ActiveEffect], names: Sequence[str]) -> list[ActiveEffect]:
