@@ -8,7 +8,7 @@ Legend: R log rows of all trials, m joints, P parameters of an effect, K places.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,6 +32,7 @@ STEPS = 7
 ROUGHLY = (
     20  # steps of candidates that share all joints: one falls where the other rises, and fits go along that valley
 )
+HALVINGS = 6  # of an octave: about a hundredth, of a tenth of a second as little as logs leave open
 REACH, SHRUNK = 3.0, 0.7  # of a positive scale: by how much more, and less, it is at most after one step
 RIDGE = 1e-9  # of a parameter's own slope, where two may do the same
 HOPELESS = 1e6  # damping: no step gains anything
@@ -174,6 +175,8 @@ def fit_everywhere(
     begun = [np.atleast_2d(start)[:, columns] for start in starts]
     tried = [own(data.chi2(play(x))) for x in begun] if len(begun) > 1 else [np.zeros(len(places))]
     values = np.choose(np.argmin(tried, axis=0), begun)
+    if data.held and any(p.across for p in parameters):
+        values = _narrowed(values, lambda x: own(data.chi2(play(x))))
     positive = np.array([p.lower >= 0 for p in parameters]) & (values > 0).all(axis=1)
     small = np.diag([p.small(data.held) for p in parameters])[..., None]
     sizes, near = small.sum(axis=0), 1e-4 * np.array([[abs(p.typical)] for p in parameters])
@@ -206,6 +209,17 @@ def fit_everywhere(
     by_place = [cost if p is None else np.where(joint == p - 1, cost, empty) for p in places]
     pairs = zip(places, values.T, by_place, strict=True)
     return [Attempt(ActiveEffect.neutral(name, p).with_coordinates(v), total) for p, v, total in pairs]
+
+
+def _narrowed(values: Floats, cost: Callable[[Floats], Floats]) -> Floats:
+    """Coordinates (P, K) by halving steps, of an octave at first: where set-points jump no slope leads there, but the
+    nearer they are, the fewer readings lie on the wrong side of a jump."""
+    least = cost(values)
+    for halving in range(1, HALVINGS + 1):
+        for factor in 2.0 ** (0.5**halving * np.array([-1, 1])):
+            found = cost(factor * values)
+            values, least = np.where(found < least, factor * values, values), np.minimum(found, least)
+    return values
 
 
 def _newton(matrix: Floats, pull: Floats) -> Floats:
@@ -395,11 +409,14 @@ def slopes_of(data: Plays, chosen: Sequence[ActiveEffect], effect: ActiveEffect,
     """Of what is played where it is read, and of what is left at the best shifts in time, by one chosen effect's
     coordinates, in units of noise (P, R, m); here: what all of them play."""
     others = [e for e in chosen if e.key != effect.key]
+    late = data.met(chosen)[1] if isinstance(effect.effect, ActuationEffect) and effect.effect.dead_time else None
     played, missed = [], []
     for k, (p, x) in enumerate(zip(effect.effect.parameters, effect.coordinates, strict=False)):
         little = 1e-4 * max(abs(x), 1e-3 * abs(p.coordinate(p.typical)))
         step = (p.across if data.held else 0.0) or little
-        moved = data.realised([*others, effect.moved(k, step)])
-        played.append(np.where(data.read, moved - here, 0.0) / step / data.noise)
+        effects = [*others, effect.moved(k, step)]
+        moved = data.realised(effects)
+        bare = moved if late is None else data.begun_at(effects, late)  # a start that is open would follow it
+        played.append(np.where(data.read, bare - here, 0.0) / step / data.noise)
         missed.append(data.slope(here, moved, step) / data.noise)
     return np.stack(played), np.stack(missed)

@@ -227,6 +227,8 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
     left, speed = (v / data.noise for v in (data.left(best.angles), data.speed(best.angles)))
     unsure = _unsure(data, speed)
     law, intervals = effect.effect, {}
+    if isinstance(law, ActuationEffect) and law.dead_time:
+        speed = -slopes[0]  # a start that is open is a delay, jumps and all
     for p, x, pull, chance in zip(parameters, effect.coordinates, pulls, np.diag(inverse), strict=False):
         scores, late = (
             np.array([(pull * v)[data.trials == t].sum() for t in range(len(data.recordings))]) for v in (left, speed)
