@@ -252,10 +252,9 @@ def test_a_law_of_all_servos_that_is_only_the_nearest_is_a_stand_in(recordings: 
         return replace(r, position=TICK * np.round((r.schedule.commanded(r.read_at - late) + noise) / TICK))
 
     stage = choose_actuation(replace(plays([read(r) for r in recordings]), without=frozenset({"servo_delay"})))
-    (named,) = stage.named
-    assert named.effect.key == ("servo_inertia", None)
-    assert named.effect.parameters["lag"] == pytest.approx(late, rel=0.25)
-    assert named.stand_in
+    assert "servo_inertia" in {n.effect.name for n in stage.named}
+    assert sum(n.effect.parameters["lag"] for n in stage.named) == pytest.approx(late, rel=0.05)
+    assert all(n.stand_in and n.effect.place is None for n in stage.named)
     assert not stage.settled
 
 

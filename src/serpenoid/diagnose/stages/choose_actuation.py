@@ -240,8 +240,15 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
         reach = NORMAL * SYSTEMATIC * sd
         intervals[p.name] = interval([p.value(float(v)) for v in (x - reach, x + reach)])
     bound = tuple(p.name for p in parameters if effect.parameters[p.name] in (p.lower, p.upper))
-    stand_in = _law_error(best, effect) > 0
+    stand_in = _law_error(best, effect) > 0 or _may_be_any(best, effect)
     return Named(effect, intervals, _strength(data, effect), bound, stand_in)
+
+
+def _may_be_any(best: Played, effect: ActiveEffect) -> bool:
+    """Whether it is one of several laws of all servos, which together do for many a law that nobody knows, and what they
+    leave of most joints is more than chance."""
+    several = effect.place is None and sum(e.place is None for e in best.effects) > 1
+    return several and bool(np.median(best.data.structure(best.angles)) > 0)
 
 
 def _numbers(effect: ActiveEffect) -> int:
