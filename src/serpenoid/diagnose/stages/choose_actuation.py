@@ -245,8 +245,8 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
 
 
 def _may_be_any(best: Played, effect: ActiveEffect) -> bool:
-    """Whether it is one of several laws of all servos, which together do for many a law that nobody knows, and what they
-    leave of most joints is more than chance."""
+    """Whether it is one of several laws of all servos, which together do for many a law that nobody knows, and they
+    leave more than chance of most joints."""
     several = effect.place is None and sum(e.place is None for e in best.effects) > 1
     return several and bool(np.median(best.data.structure(best.angles)) > 0)
 
