@@ -140,6 +140,7 @@ _ground, _servos, _cameras = (partial(_change, part) for part in ("ground", "ser
 CATALOGUE: dict[str, Kind] = {
     "servo_lag": Kind(ACTUATION, GLOBAL, _one("lag", 0.005, 0.15), _servos(lag=lambda k, p: p["lag"])),
     "servo_inertia": Kind(ACTUATION, GLOBAL, _swing, _servos(swing=lambda k, p: (p["lag"], p["damping"]))),
+    "servo_delay": Kind(ACTUATION, GLOBAL, _one("delay", 0.01, 0.15), _servos(delay=lambda k, p: p["delay"])),
     "gain_loss": Kind(ACTUATION, AT_JOINT, _one("loss", 0.005, 0.6), _servos(loss=lambda k, p: {k: p["loss"]})),
     "zero_offset": Kind(
         ACTUATION, AT_JOINT, _either("offset", 0.002, 0.2), _servos(offset=lambda k, p: {k: p["offset"]})
@@ -251,7 +252,7 @@ WITHOUT_WHEELS = ("rough_skin",)
 ON_WHEELS = tuple(n for n in CATALOGUE if n not in WITHOUT_WHEELS)
 # Added when keys were in use, one time after the other: a campaign of an earlier key has one of these in few cases, and
 # else what it had.
-NEWER = (("lagging_joint", "slow_joint", "marker_offset_ahead"), ("marker_sway",), ("servo_inertia",))
+NEWER = (("lagging_joint", "slow_joint", "marker_offset_ahead"), ("marker_sway",), ("servo_inertia",), ("servo_delay",))
 # Powers of a length that a parameter has: drawn for the ten-servo snake, they grow with the robot.
 LENGTHS: dict[str, dict[str, int]] = {
     "dry_friction": {"crossover_speed": 1},

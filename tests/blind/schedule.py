@@ -42,6 +42,7 @@ class Grid:
 class Servos:
     """Parameters of the actuation effects, neutral by default. Dictionaries: joint number -> value."""
 
+    delay: float = 0.0
     lag: float = 0.0
     swing: tuple[float, float] | None = None  # lag [s] and damping ratio of servos with inertia
     max_speed: float = np.inf
@@ -121,6 +122,13 @@ def swung(time: Floats, target: Floats, lag: float, damping: float, held: bool =
     return q
 
 
+def delayed(time: Floats, target: Floats, delay: float, held: bool = False) -> Floats:
+    """q(t) = target(t - delay), at rest on the first row before."""
+    if held:
+        return target[np.maximum(np.searchsorted(time, time - delay, side="right") - 1, 0)]
+    return np.column_stack([np.interp(time - delay, time, column) for column in target.T])
+
+
 def rate_limited(time: Floats, target: Floats, max_speed: float, held: bool = False) -> Floats:
     q = np.empty_like(target)
     q[0] = target[0]
@@ -144,6 +152,8 @@ def realise(g: Grid, servos: Servos, begun: Floats | None = None) -> tuple[Float
     in its gap at first, as a share of it; in the middle."""
     begun = np.zeros(g.setpoint.shape[1]) if begun is None else begun
     q, jumps = g.setpoint.copy(), np.full(g.setpoint.shape[1], g.held)  # what has followed jumps does not jump
+    if servos.delay > 0:
+        q = delayed(g.time, q, servos.delay, g.held)
     for joint, lag in servos.lags.items():
         q[:, [joint - 1]] = lagged(g.time, q[:, [joint - 1]], np.full(len(g.time) - 1, lag), g.held)
         jumps[joint - 1] = False

@@ -44,6 +44,7 @@ LOGARITHMIC = {
 }
 STARTS: dict[str, list[dict[str, float]]] = {
     "servo_lag": [{"lag": 0.03}],
+    "servo_delay": [{"delay": 0.03}],
     "servo_inertia": [{"lag": 0.03, "damping": 0.7}],
     "gain_loss": [{"loss": 0.1}],
     "zero_offset": [{"offset": 0.0}],

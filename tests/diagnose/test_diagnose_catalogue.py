@@ -39,6 +39,7 @@ Key = tuple[str, int | None]
 SETTINGS = 3  # gaits, each at another duration and heading, two trials of each
 SERVOS = (
     Effect("servo_lag", None, {"lag": 0.06}),
+    Effect("servo_delay", None, {"delay": 0.05}),
     Effect("servo_inertia", None, {"lag": 0.06, "damping": 0.4}),
     Effect("gain_loss", 3, {"loss": 0.15}),
     Effect("stuck_joint", 7, {"angle": 0.2}),

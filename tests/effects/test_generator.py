@@ -54,8 +54,9 @@ def test_simulation_converges_to_the_continuous_law_with_order_two(name: str) ->
     limit = (4 * theirs(active, 4000) - theirs(active, 2000)) / 3
     coarse, fine = (np.abs(ours(active, n) - limit).max() for n in (100, 200))
     assert fine < 1e-4  # m and rad, of a motion of 0.35 m
-    # a saturated servo catches up inside a step, a wheel turns round: their order is two only on average
-    uneven = name in ("speed_saturation", "slow_joint", "rolling_resistance")
+    # a saturated servo catches up inside a step, corners that are late lie in one, a wheel turns round: their order is
+    # two only on average
+    uneven = name in ("servo_delay", "speed_saturation", "slow_joint", "rolling_resistance")
     assert coarse / fine == pytest.approx(4, abs=0.4 if uneven else 0.2)
 
 

@@ -65,7 +65,17 @@ def test_play_in_a_joint_is_optimised_up_to_a_joint_that_never_moves(
 @pytest.mark.parametrize("steps", [12, 50])
 @pytest.mark.parametrize(
     "names",
-    [("servo_lag",), ("servo_inertia",), ("backlash",), ("gain_loss",), ("stuck_joint",), ("zero_offset",), SERVOS],
+    [
+        ("servo_delay",),
+        ("servo_lag",),
+        ("servo_inertia",),
+        ("backlash",),
+        ("gain_loss",),
+        ("stuck_joint",),
+        ("zero_offset",),
+        SERVOS,
+        ("servo_delay", *SERVOS),
+    ],
 )
 def test_formula_of_the_steady_state_is_where_playing_again_and_again_ends(
     names: tuple[str, ...], steps: int, problem: Problem

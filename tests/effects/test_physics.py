@@ -241,6 +241,40 @@ def servos(problem: Problem, setpoints: np.ndarray, times: np.ndarray, name: str
     return realise(model, np.repeat(setpoints[:, None], 10, axis=1), times).angles[:, 0]
 
 
+@pytest.mark.parametrize("delay", [0.003, 0.06, 0.41, 4.9])
+def test_servos_that_are_late_do_all_they_are_told_so_much_later(delay: float, problem: Problem) -> None:
+    """Corners between rows and all, from rest on the first row; what is told last is not done in time."""
+    rows, corners = np.array([0.2, 0.9, -1.1, 0.4, 0.5, -0.2, 1.3, 1.3]), np.array([0, 1, 1.7, 2.6, 4, 4.3, 6, 9.0])
+    found = servos(problem, rows, corners, "servo_delay", delay=delay)
+    np.testing.assert_allclose(found, np.interp(corners - delay, corners, rows), rtol=0, atol=1e-14)
+
+
+def test_a_lag_after_a_delay_follows_a_ramp_that_began_so_much_later(problem: Problem) -> None:
+    """q = s (t - delay - lag (1 - exp(-(t - delay) / lag))), and 0 before: times that meet no row of the command."""
+    delay, lag, rate = 0.13, 0.3, 0.7
+    times = np.linspace(0, 2, 41)
+    late = ActiveEffect.of("servo_delay", delay=delay), ActiveEffect.of("servo_lag", lag=lag)
+    found = realise(extended(problem, *late), np.repeat(rate * times[:, None], 10, axis=1), times)
+    since = np.maximum(times - delay, 0.0)
+    expected = rate * (since - lag * (1 - np.exp(-since / lag)))
+    np.testing.assert_allclose(found.angles[:, 0], expected, rtol=0, atol=1e-12)  # the law's own floor of a lag
+    np.testing.assert_array_equal(found.readings, found.angles)
+
+
+@pytest.mark.parametrize("delay", [0.0004, 0.25, 4.9])  # less than a row, rows and a part, more than a cycle
+def test_a_gait_of_servos_that_are_late_is_the_gait_so_much_later(delay: float, problem: Problem) -> None:
+    """For finely sampled set-points; a delay of whole rows moves them, to the last bit."""
+    cycle, count = 4.0, 4000
+    phase = 2 * np.pi * np.arange(count) / count
+    table = np.repeat(np.sin(phase)[:, None], 10, axis=1)
+    found, whole = (
+        realise_gait(extended(problem, ActiveEffect.of("servo_delay", delay=d), duration=cycle), table)
+        for d in (delay, cycle / 4)
+    )
+    np.testing.assert_allclose(found[:, 0], np.sin(phase - 2 * np.pi * delay / cycle), rtol=0, atol=1e-6)
+    np.testing.assert_array_equal(whole, np.roll(table, count // 4, axis=0))
+
+
 @pytest.mark.parametrize("damping", [0.2, 0.7, 1.0, 1.3, 5.0])
 def test_servos_with_inertia_answer_a_sine_as_a_filter_of_second_order(damping: float, problem: Problem) -> None:
     """By the factor 1 / (1 - (omega / w)^2 + i omega lag), w = 2 damping / lag, for finely sampled set-points."""

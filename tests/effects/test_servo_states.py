@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from serpenoid.effects import ActiveEffect
+from serpenoid.errors import InputError
 from serpenoid.gaits import EllipseGait, Gait, TableGait
 from serpenoid.gaits.fourier import FourierGait
 from serpenoid.gaits.spline import SplineGait
@@ -67,6 +68,14 @@ def test_states_are_what_the_servos_let_through(gait: Gait, closed: bool) -> Non
     both = [value.full() for value in ca.Function("both", [free], [left, angles])(x)]
     assert np.abs(both[0]).max() < 1e-12
     np.testing.assert_allclose(both[1].T, expected, atol=1e-12)
+
+
+def test_servos_that_are_late_are_refused_where_no_formula_says_what_they_are_told() -> None:
+    late = model_of(ActiveEffect.of("servo_delay", delay=0.1))
+    motion_law(late, ELLIPSE.of(4, 24))
+    for family in (TableGait().of(4, 24), ELLIPSE.of(4, 25, closed=False)):
+        with pytest.raises(InputError, match="`servo_delay` is not optimised .* leave the effect out"):
+            motion_law(late, family)
 
 
 def test_what_a_family_has_a_formula_for_needs_no_states() -> None:

@@ -29,7 +29,7 @@ def changed(active: ActiveEffect, parameter: str, change: float) -> ActiveEffect
     return ActiveEffect.model_construct(name=active.name, place=active.place, parameters=values)
 
 
-@pytest.mark.parametrize("others", [(), ("servo_lag",), ("speed_saturation", "backlash", "gain_loss")])
+@pytest.mark.parametrize("others", [(), ("servo_lag", "servo_delay"), ("speed_saturation", "backlash", "gain_loss")])
 @pytest.mark.parametrize(("name", "parameter"), [(n, p.name) for n in ACTUATION for p in find(n).parameters])
 @pytest.mark.parametrize("neutral", [True, False])
 def test_derivatives_are_those_of_the_angles(
@@ -70,7 +70,7 @@ def test_a_stuck_joint_is_no_candidate(problem: Problem, setpoints: np.ndarray) 
         servo_sensitivities(extended(problem), setpoints, TIMES, [typical("stuck_joint")])
 
 
-@pytest.mark.parametrize("name", ["servo_lag", "servo_inertia", "speed_saturation", "backlash"])
+@pytest.mark.parametrize("name", ["servo_delay", "servo_lag", "servo_inertia", "speed_saturation", "backlash"])
 def test_it_does_not_matter_into_how_many_rows_a_straight_line_is_cut(name: str, problem: Problem) -> None:
     # quick strokes there and back: a servo meets its set-point, and is left behind, inside of rows
     rows, times = np.array([0, 0.9, -1.1, 0.4, 0.5, -0.2, 1.3, 1.3]), np.array([0, 1, 1.7, 2.6, 4, 4.3, 6, 9.0])

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
-from typing import Literal
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -40,6 +40,8 @@ class Parameter:
     the neutral value is infinite.
     typical: a moderate value, for examples and tests, and the coordinate's scale in fits.
     resolution: how well instruments can tell it at all, whatever the noise; intervals are no narrower.
+    across: by how much fits change the coordinate where set-points jump, so that some readings are moved across a jump;
+    0: as little as elsewhere.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Parameter:
     power: int = 1
     resolution: float = 0.0
     over_drag: bool = False
+    across: float = 0.0
 
     def unit_in(self, law: Law) -> str:
         """The unit in a medium of this law: a force over the drag level is a speed to the power of (degree - 1)."""
@@ -75,6 +78,10 @@ class Parameter:
         first = {self.unit_in(law): law.title for law in reversed(LAWS.values())}
         others = [f"with {title} {unit}" for unit, title in reversed(first.items()) if unit != self.unit]
         return "; ".join([self.unit, *others])
+
+    def small(self, jumps: bool = False) -> float:
+        """By how much fits change the coordinate to see what that does; jumps: whether set-points do."""
+        return (self.across if jumps else 0.0) or 1e-4 * max(abs(self.coordinate(self.typical)), 1e-3)
 
     @property
     def resting(self) -> float:
@@ -249,6 +256,16 @@ class Wave:
         mean = (quarters[0] + quarters[2]) / 2
         return mean, quarters[0] - mean, quarters[1] - mean
 
+    def later(self, rows: ca.SX) -> Wave:
+        """A wave so many rows later, on straight lines from row to row."""
+        whole = ca.floor(rows)
+        part = rows - whole
+
+        def at(row: ca.SX) -> ca.SX:
+            return (1 - part) * self.at(row - whole) + part * self.at(row - whole - 1)
+
+        return replace(self, at=at)
+
     def filtered(self, top: tuple[ca.SX, ca.SX], bottom: tuple[ca.SX, ca.SX]) -> Wave:
         """A sine that comes out smaller or larger, and later: by a factor top / bottom, each (real, imaginary)."""
         size = bottom[0] ** 2 + bottom[1] ** 2
@@ -271,12 +288,15 @@ class ActuationEffect(Effect):
 
     memory: how many numbers of what went before the answer depends on: the joint's angle, then others that are equal to
     it at rest. shown: whether the servo's reading shows the true angle.
-    limits: whether an optimised gait stays slow enough to be played as it is commanded (`speed_limit`).
+    limits: whether an optimised gait stays slow enough to be played as it is commanded (`speed_limit`). dead_time:
+    whether its one parameter is a time [s] by which all joints are told later: laws that do not know the time are the
+    same before and after that.
     """
 
     memory: int = 0
     shown: bool = True
     limits: bool = False
+    dead_time: bool = False
     needs_seconds: bool = False
 
     @property
@@ -288,6 +308,10 @@ class ActuationEffect(Effect):
         """Coordinates (m,), by joint, where fits of its parameter to readings (R, m) [rad], NaN unread, may begin; of
         several parameters (P, m). quickest: speed (m,) of the set-points [rad/s]."""
         return [np.full(readings.shape[1], self.parameters[0].resting)]
+
+    def late(self, p: Symbols) -> Any:
+        """By how much later [s] all is done that servos do: of symbols, or of numbers."""
+        return getattr(p, self.parameters[0].name) if self.dead_time else 0.0
 
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
         """Joint angle after `duration` [s] of a set-point that runs linearly from `before` to `after` [rad]; `angle`:

@@ -146,7 +146,7 @@ def joint_sensitivity() -> ca.Function:
     """
     plain, q = _joint_step(), memories()
     _, *inputs = plain.sx_in()
-    theta = inputs[-1]
+    before, after, duration, theta = inputs
     state = ca.SX.sym("state", q * (1 + theta.numel()))
     memory, carried = state[:q], ca.reshape(state[q:], q, theta.numel())
     remembered, angle, reading = plain(memory, *inputs)
@@ -154,10 +154,26 @@ def joint_sensitivity() -> ca.Function:
     def by_theta(value: ca.SX) -> ca.SX:
         return ca.jacobian(value, memory) @ carried + ca.jacobian(value, theta)
 
+    late = ca.jacobian(_late(theta), theta)
+
+    def moved(value: ca.SX) -> ca.SX:
+        """What is later was done before: by how much it turned until then."""
+        rate = ca.jacobian(value, duration) + ca.jacobian(value, after) * (after - before) / duration
+        return by_theta(value) - rate * late
+
     following = ca.densify(ca.vertcat(remembered, ca.vec(by_theta(remembered))))
-    slopes = ca.densify(ca.horzcat(by_theta(angle).T, by_theta(reading).T))
+    slopes = ca.densify(ca.horzcat(moved(angle).T, moved(reading).T))
     outputs = [following, angle, reading, slopes]
     return compiled([ca.Function("joint_sensitivity", [state, *inputs], outputs, CSE)])[0]
+
+
+def _late(theta: ca.SX) -> ca.SX:
+    """By how much later [s] all is done."""
+    total, row = ca.SX(0), 0
+    for kind in actuation_effects():
+        count = len(kind.parameters) + 1
+        total, row = total + kind.late(kind.symbols(theta[row : row + count])), row + count
+    return total
 
 
 def parameter_rows() -> dict[tuple[str, str], int]:

@@ -14,6 +14,7 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
+from serpenoid.effects.base import ActuationEffect
 from serpenoid.errors import InputError
 from serpenoid.gaits import GaitFamily
 from serpenoid.gaits.lifted import LiftedFamily
@@ -65,6 +66,7 @@ def motion_law(model: Model, family: GaitFamily, portable: bool = False) -> Moti
     if plain and family.coordinates == "serpenoid" and family.modes == 1:
         blocks: StepBlocks = SerpenoidBlocks(structure, portable)
         return MotionLaw(structure, family, steps, 3, blocks, _coordinates(family, structure, portable))
+    _refuse_delay(model, family)
     played = Played(model, family) if needs_states(model, family) else None
     shapes = _angles(model, family, steps, portable) if played is None else played.realised()
     m = len(structure.joints)
@@ -80,6 +82,17 @@ def _in_space(model: Model, family: LiftedFamily, portable: bool) -> MotionLaw:
     steps, blocks = family.rows - (not family.closed), LiftedBlocks(model.structure, family.lift, portable)
     coordinates = _coordinates(family, model.structure, portable)
     return MotionLaw(model.structure, family, steps, COORDINATES, blocks, coordinates)
+
+
+def _refuse_delay(model: Model, family: GaitFamily) -> None:
+    """Rows that are told between two earlier ones are written for gaits whose rows follow from the phase alone."""
+    late = [e.name for e in model.actuation_effects if isinstance(e.effect, ActuationEffect) and e.effect.dead_time]
+    if late and not (family.harmonic and family.closed):
+        kind = family.like.family if family.closed else "transient"
+        raise InputError(
+            f"[[effects]] `{late[0]}` is not optimised with a gait of family `{kind}`: take an ellipse, or leave the "
+            "effect out. Servos that are late play the same gait, only later; `simulate` knows it with any gait."
+        )
 
 
 def needs_states(model: Model, family: GaitFamily) -> bool:

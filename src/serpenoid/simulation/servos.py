@@ -8,9 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
@@ -49,21 +51,53 @@ def realise_all(
         return [Realised(s, s) for s in setpoints]
     theta = np.ascontiguousarray(coordinates(model)[:, some])
     begun = [s[0] for s in setpoints] if came_from is None else [c[some] for c in came_from]
-    found = []
-    for told, time, rested in zip(setpoints, times, begun, strict=True):
+    found, late = [], late_by(theta)
+    for asked, time, rested in zip(setpoints, times, begun, strict=True):
+        told, mesh, at = asked_earlier(asked, time, late) if late and len(time) > 1 else (asked, time, slice(None))
         # a first step on the spot gives the first row's angles
-        rows, durations = np.concatenate([told[:1], told]), np.concatenate([[RESTED_S], np.diff(time)])
+        rows, durations = np.concatenate([told[:1], told]), np.concatenate([[RESTED_S], np.diff(mesh)])
         angles, readings, _ = play(np.tile(rested, (memories(), 1)), rows, durations, theta)
-        found.append(Realised(angles, readings))
+        found.append(Realised(angles[at], readings[at]))
     return found
+
+
+def late_by(theta: Floats) -> float:
+    """By how much later [s] servos with coordinates theta (P, m) do what they do."""
+    numbers, total, row = theta.max(axis=1), 0.0, 0  # all joints alike
+    for kind in actuation_effects():
+        names = [p.name for p in kind.parameters]
+        total += float(kind.late(SimpleNamespace(**dict(zip(names, numbers[row:], strict=False)))))
+        row += len(names) + 1
+    return total
+
+
+def asked_earlier(setpoints: Floats, times: Floats, late: float) -> tuple[Floats, Floats, NDArray[np.int64]]:
+    """Set-points (K, m) on a finer mesh (K,) [s], and the nodes (R,) at which servos do what they do so much later [s]
+    at `times` (R,): their laws do not know the time, and they begin at rest."""
+    earlier = np.maximum(times - late, times[0])
+    mesh = np.union1d(times, earlier)
+    row = np.clip(np.searchsorted(times, mesh, side="right") - 1, 0, len(times) - 2)
+    share = (mesh - times[row]) / (times[row + 1] - times[row])
+    told = setpoints[row] + share[:, None] * (setpoints[row + 1] - setpoints[row])
+    return told, mesh, np.searchsorted(mesh, earlier)
+
+
+def asked_rows(table: Floats, rows: float) -> Floats:
+    """What a joint table (T, m), played again and again, asks of servos that are so many rows late, at each row: on
+    straight lines between rows."""
+    whole = int(np.floor(rows))
+    part = rows - whole
+    return np.asarray((1 - part) * np.roll(table, whole, axis=0) + part * np.roll(table, whole + 1, axis=0))
 
 
 def realise_gait(model: Model, table: Floats) -> Floats:
     """The periodic motion (T, m) on which a joint table, played again and again, settles; row 0 stays row 0."""
     if not model.actuation_effects:
         return table
-    theta, closed = coordinates(model), np.concatenate([table, table[:1]])
-    durations = np.full(len(table), model.step_duration(len(table)))
+    theta, row_s = coordinates(model), model.step_duration(len(table))
+    late = late_by(theta)
+    table = asked_rows(table, late / row_s) if late else table
+    closed, durations = np.concatenate([table, table[:1]]), np.full(len(table), row_s)
     memory = np.tile(table[:1], (memories(), 1))
     for _ in range(CYCLES):
         angles, _, last = play(memory, closed, durations, theta)
@@ -75,6 +109,15 @@ def realise_gait(model: Model, table: Floats) -> Floats:
 
 def play_with_derivatives(theta: Floats, setpoints: Floats, times: Floats) -> tuple[Floats, Floats, Floats]:
     """Angles and readings (R, m) of a trial from rest, and the derivatives of both by theta (R, m, P, 2)."""
+    late = late_by(theta)
+    if late:
+        told, mesh, at = asked_earlier(setpoints, times, late)
+        angles, readings, slopes = _with_derivatives(theta, told, mesh)
+        return angles[at], readings[at], slopes[at]
+    return _with_derivatives(theta, setpoints, times)
+
+
+def _with_derivatives(theta: Floats, setpoints: Floats, times: Floats) -> tuple[Floats, Floats, Floats]:
     joints = setpoints.shape[1]
     resting, durations = np.concatenate([setpoints[:1], setpoints]), np.concatenate([[1.0], np.diff(times)])
     state = np.vstack([np.tile(setpoints[:1], (memories(), 1)), np.zeros((memories() * len(theta), joints))])

@@ -8,7 +8,7 @@ Legend: R log rows of all trials, m joints, P parameters of an effect, K places.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,9 +29,14 @@ from serpenoid.files.store import remembered
 from serpenoid.parallel import in_processes
 
 STEPS = 7
+ROUGHLY = (
+    20  # steps of candidates that share all joints: one falls where the other rises, and fits go along that valley
+)
+HALVINGS = 6  # of an octave: about a hundredth, of a tenth of a second as little as logs leave open
 REACH, SHRUNK = 3.0, 0.7  # of a positive scale: by how much more, and less, it is at most after one step
 RIDGE = 1e-9  # of a parameter's own slope, where two may do the same
 HOPELESS = 1e6  # damping: no step gains anything
+CENTRED = np.linspace(0.0, 1.0, 5)  # of a move after which no trial's start, in the mean, explains anything
 
 
 @dataclass(frozen=True)
@@ -43,30 +48,44 @@ class Attempt:
 
 
 def plays(recordings: Sequence[Recording], held: bool | None = None) -> Plays:
-    """Readings beside the set-points that they follow best, as they are or with one law for all servos; held: whether
-    rows are, where that is known.
+    """Readings beside the set-points that they follow best, as they are or with a law for all servos, told later or
+    not; held: whether rows are, where that is known.
 
     Noise is the least that readings have about any of it: about a smooth course, those of servos that jump scatter
     widely, and a way that is wrong is followed. Laws of several numbers are tried where those of fewer leave something.
     """
     every = list(ways(recordings, held))
-    laws = [k for k in shown(every[0]) if k.place is None]
     noise = np.min([data.noise for data in every], axis=0)
     every = [replace(data, noise=noise) for data in every]
-    found = _by_each(every, [None, *(k for k in laws if len(k.parameters) == 1)])
-    if not any(followed(data, p) for data, played in found for p in played):
-        more = _by_each(every, [k for k in laws if len(k.parameters) > 1])
-        found = [(data, [*few, *many]) for (data, few), (_, many) in zip(found, more, strict=True)]
+    few, *sets = _by_numbers(shown(every[0]))
+    found = [(data, played) for data, played in zip(every, _by_each(every, few), strict=True)]
+    for laws in sets:
+        for data, played in found:
+            if any(followed(of, p) for of, known in found for p in known):
+                break
+            played += _by_each([data], laws)[0]
     if len(found) > 1:
         noise = np.min([data.measured(p).noise for data, played in found for p in played], axis=0)
         found = [(replace(data, noise=noise), played) for data, played in found]
     return _measured(*_simplest(found))
 
 
-def _by_each(every: Sequence[Plays], laws: Sequence[ActuationEffect | None]) -> list[tuple[Plays, list[Floats]]]:
-    """Each way to take set-points, and what servos play in it with each of some laws."""
-    played = in_processes([(_by_all, (data, kind)) for data in every for kind in laws])
-    return [(data, played[n * len(laws) : (n + 1) * len(laws)]) for n, data in enumerate(every)]
+def _by_numbers(kinds: Sequence[ActuationEffect]) -> list[list[tuple[str, ...]]]:
+    """Laws of all servos, by name, each also beside a dead time: that of no and one number first, then those of more.
+    Rows that jump are late beside rows that run, so that it is a matter of time which of them servos follow."""
+    laws = [k for k in kinds if k.place is None]
+    late = [k for k in laws if k.dead_time]
+    sets = [(), *((k,) for k in laws), *((k, law) for k in late for law in laws if not law.dead_time)]
+    by_numbers: dict[int, list[tuple[str, ...]]] = {}
+    for s in sets:
+        by_numbers.setdefault(max(sum(len(k.parameters) for k in s), 1), []).append(tuple(k.name for k in s))
+    return [by_numbers[n] for n in sorted(by_numbers)]
+
+
+def _by_each(every: Sequence[Plays], laws: Sequence[tuple[str, ...]]) -> list[list[Floats]]:
+    """What servos play with each of some sets of laws, in each way to take set-points."""
+    played = in_processes([(_by_all, (data, names)) for data in every for names in laws])
+    return [played[n * len(laws) : (n + 1) * len(laws)] for n in range(len(every))]
 
 
 def _simplest(found: Sequence[tuple[Plays, list[Floats]]]) -> tuple[Plays, list[Floats]]:
@@ -92,12 +111,21 @@ def _measured(data: Plays, every: Sequence[Floats]) -> Plays:
     return data
 
 
-def _by_all(data: Plays, kind: ActuationEffect | None) -> Floats:
-    """What servos play (R, m), as they are told or with a law fitted to all of them."""
-    if kind is None:
-        return data.realised([])
-    (law,) = fit_everywhere(data, kind.name, (), kind.starts(data.readings, data.quickest))
-    return data.realised([law.effect])
+def _by_all(data: Plays, names: Sequence[str]) -> Floats:
+    """What servos play (R, m), as they are told or with laws fitted to all of them."""
+    laws = _in_turn(data, (), names)
+    return data.realised(fit_together(data, laws, ROUGHLY) if len(laws) > 1 else laws)
+
+
+def _in_turn(data: Plays, found: Sequence[ActiveEffect], names: Sequence[str]) -> list[ActiveEffect]:
+    """Laws of all servos beside what was found, each from where its fits begin beside those before it. A dead time
+    comes last: a law that is fitted beside all of one finds nothing left that is late, and no way back."""
+    effects, late = list(found), {k.name for k in shown(data) if k.dead_time}
+    for name in sorted(names, key=lambda n: n in late):
+        kind = next(k for k in shown(data) if k.name == name)
+        (law,) = fit_everywhere(data, name, effects, kind.starts(data.readings, data.quickest))
+        effects.append(law.effect)
+    return effects
 
 
 def followed(data: Plays, played: Floats) -> bool:
@@ -106,8 +134,11 @@ def followed(data: Plays, played: Floats) -> bool:
 
 
 def shown(data: Plays) -> list[ActuationEffect]:
-    """Actuation effects that readings show, but for those left out."""
-    return [k for k in actuation_effects() if k.shown and k.name not in data.without]
+    """Actuation effects that readings show, but for those left out. A dead time is a late start where nothing says when
+    trials began."""
+    said = all(data.said(r) for r in data.recordings)
+    every = (k for k in actuation_effects() if k.shown and k.name not in data.without)
+    return [k for k in every if said or not k.dead_time]
 
 
 def attempts(data: Plays, base: Sequence[ActiveEffect]) -> list[Attempt]:
@@ -144,8 +175,10 @@ def fit_everywhere(
     begun = [np.atleast_2d(start)[:, columns] for start in starts]
     tried = [own(data.chi2(play(x))) for x in begun] if len(begun) > 1 else [np.zeros(len(places))]
     values = np.choose(np.argmin(tried, axis=0), begun)
+    if data.held and any(p.across for p in parameters):
+        values = _narrowed(values, lambda x: own(data.chi2(play(x))))
     positive = np.array([p.lower >= 0 for p in parameters]) & (values > 0).all(axis=1)
-    small = np.diag([1e-4 * max(abs(p.coordinate(p.typical)), 1e-3) for p in parameters])[..., None]
+    small = np.diag([p.small(data.held) for p in parameters])[..., None]
     sizes, near = small.sum(axis=0), 1e-4 * np.array([[abs(p.typical)] for p in parameters])
     best = play(values)
     left, damping = data.left(best), np.ones(len(places))
@@ -178,6 +211,17 @@ def fit_everywhere(
     return [Attempt(ActiveEffect.neutral(name, p).with_coordinates(v), total) for p, v, total in pairs]
 
 
+def _narrowed(values: Floats, cost: Callable[[Floats], Floats]) -> Floats:
+    """Coordinates (P, K) by halving steps, of an octave at first: where set-points jump no slope leads there, but the
+    nearer they are, the fewer readings lie on the wrong side of a jump."""
+    least = cost(values)
+    for halving in range(1, HALVINGS + 1):
+        for factor in 2.0 ** (0.5**halving * np.array([-1, 1])):
+            found = cost(factor * values)
+            values, least = np.where(found < least, factor * values, values), np.minimum(found, least)
+    return values
+
+
 def _newton(matrix: Floats, pull: Floats) -> Floats:
     """Changes (P, K) of parameters, by products (P, P, K) of slopes and the pull (P, K); those that do nothing stay."""
     diagonal = np.einsum("ppk->kp", matrix)
@@ -198,13 +242,13 @@ def _inside(p: Parameter, coordinate: float) -> float:
 
 
 @remembered
-def fit_together(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:
-    """Levenberg-Marquardt in the parameters of all effects at once: where nothing says when trials began, that depends
-    on what every joint does, and what every other one is fitted to depends on it."""
+def fit_together(data: Plays, chosen: Sequence[ActiveEffect], steps: float = np.inf) -> tuple[ActiveEffect, ...]:
+    """Levenberg-Marquardt in the parameters of all effects at once, so many steps at most: where nothing says when
+    trials began, that depends on what every joint does, and what every other one is fitted to depends on it."""
     parameters = [p for e in chosen for p in e.effect.parameters]
     owner = [e for e in chosen for _ in e.effect.parameters]
     ends = np.cumsum([len(e.effect.parameters) for e in chosen])[:-1]
-    small = 1e-4 * np.array([max(abs(p.coordinate(p.typical)), 1e-3) for p in parameters])
+    small = np.array([p.small(data.held) for p in parameters])
     sets = _side_by_side(owner)
 
     def at(x: Floats) -> list[ActiveEffect]:
@@ -213,7 +257,7 @@ def fit_together(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEff
     values, damping = np.array([x for e in chosen for x in e.coordinates[:-1]]), 1e-4
     positive = np.array([p.lower >= 0 for p in parameters]) & (values > 0)
     here, late = data.met(at(values))
-    left = data.left(here)
+    left, taken = data.left(here), 0
     while True:
         cost = float(data.sizes(left).sum())
         moved = [data.begun_at(at(values + np.where(sets == k, small, 0.0)), late) for k in range(sets.max() + 1)]
@@ -235,8 +279,50 @@ def fit_together(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEff
         if gained < 0:
             return tuple(at(values))
         values, here, late, left, damping = trial, played, begun, missed, max(damping, 1e-9)
-        if gained < CONVERGED * max(1.0, cost / float(data.often.sum())):
+        taken += 1
+        if gained < CONVERGED * max(1.0, cost / float(data.often.sum())) or taken >= steps:
             return tuple(at(values))
+
+
+def refined(data: Plays, chosen: Sequence[ActiveEffect], new: ActiveEffect | None = None) -> tuple[ActiveEffect, ...]:
+    """Fit each given the others, at its own joint alone, twice round. new: what came to them, or left them, just now;
+    those at other joints stay as they are: no joint touches another, but by when a trial began. Where nothing says when
+    that was, all are fitted together, and so they are where several laws share all joints."""
+    chosen = list(chosen)
+    shared = sum(e.place is None for e in chosen) > 1
+    if chosen and (shared or not all(data.begun(r) for r in data.recordings)):
+        return _told_later(data, fit_together(data, chosen))
+    touched = {e.place for e in chosen} if new is None or new.place is None else {None, new.place}
+    for _ in range(2):
+        for i, effect in enumerate(chosen):
+            if effect.place not in touched:
+                continue
+            others = [e for e in chosen if e is not effect]
+            start = np.tile(np.array(effect.coordinates[:-1])[:, None], (1, data.readings.shape[1]))
+            (alone,) = fit_everywhere(data, effect.name, others, [start], effect.place)
+            chosen[i] = alone.effect
+    return _told_later(data, chosen)
+
+
+def with_laws(data: Plays, found: Sequence[ActiveEffect], names: Sequence[str]) -> tuple[ActiveEffect, ...]:
+    """These laws of all servos beside what was found at joints: those that were there, others in turn, and then all
+    together."""
+    late = {k.name for k in shown(data) if k.dead_time}
+    kept = [e for e in found if e.place is not None or e.name in names and e.name not in late]
+    return refined(data, _in_turn(data, kept, [n for n in names if all(e.name != n for e in kept)]))
+
+
+def _told_later(data: Plays, chosen: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:
+    """With a dead time about which trials begin when logs say, as far as readings leave that open: each may begin a
+    little later, or they are all told later. A start that is open has the variance that it is given in intervals."""
+    late = next((e for e in chosen if isinstance(e.effect, ActuationEffect) and e.effect.dead_time), None)
+    if late is None:
+        return tuple(chosen)
+    most = np.array([data.unsure_start(r) for r in data.recordings])
+    whole = float(data.later(chosen).mean())
+    tried = [tuple(e.moved(0, share * whole) if e is late else e for e in chosen) for share in CENTRED]
+    costs = [float(data.chi2(data.realised(t)).sum() + 3 * ((data.later(t) / most) ** 2).sum()) for t in tried]
+    return tried[int(np.argmin(costs))]
 
 
 def _side_by_side(chosen: Sequence[ActiveEffect]) -> np.ndarray:
@@ -323,10 +409,14 @@ def slopes_of(data: Plays, chosen: Sequence[ActiveEffect], effect: ActiveEffect,
     """Of what is played where it is read, and of what is left at the best shifts in time, by one chosen effect's
     coordinates, in units of noise (P, R, m); here: what all of them play."""
     others = [e for e in chosen if e.key != effect.key]
+    late = data.met(chosen)[1] if isinstance(effect.effect, ActuationEffect) and effect.effect.dead_time else None
     played, missed = [], []
     for k, (p, x) in enumerate(zip(effect.effect.parameters, effect.coordinates, strict=False)):
-        step = 1e-4 * max(abs(x), 1e-3 * abs(p.coordinate(p.typical)))
-        moved = data.realised([*others, effect.moved(k, step)])
-        played.append(np.where(data.read, moved - here, 0.0) / step / data.noise)
+        little = 1e-4 * max(abs(x), 1e-3 * abs(p.coordinate(p.typical)))
+        step = (p.across if data.held else 0.0) or little
+        effects = [*others, effect.moved(k, step)]
+        moved = data.realised(effects)
+        bare = moved if late is None else data.begun_at(effects, late)  # a start that is open would follow it
+        played.append(np.where(data.read, bare - here, 0.0) / step / data.noise)
         missed.append(data.slope(here, moved, step) / data.noise)
     return np.stack(played), np.stack(missed)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 
@@ -17,11 +17,12 @@ from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_g
 from serpenoid.diagnose.stages.actuation import (
     Attempt,
     attempts,
-    fit_everywhere,
-    fit_together,
     followed,
     needed,
+    refined,
+    shown,
     slopes_of,
+    with_laws,
 )
 from serpenoid.diagnose.stages.displaced_markers import displaced_marker
 from serpenoid.diagnose.stages.law_by_trial import ByTrial, law_by_trial
@@ -79,7 +80,9 @@ def choose_actuation(data: Plays) -> Stage:
         new, best = _one_more(best, [t.effect for t in tries], [p.chi2 for p in one_more], found)
         if _strength(data, new) < VISIBLE:
             break
-    best = Played(data, _refined(data, best.effects))
+        if new.place is None and not followed(data, best.angles):  # before what it leaves looks like faults of joints
+            best = _of_all_anew(best)
+    best = _of_all_anew(Played(data, refined(data, best.effects)))
     best = earned(best, bare, _each_without, lambda found: needed(data, found.effects))
     earlier = best
     best, refused = lawful(best, lambda found: list(found.effects), _law_error, _without)
@@ -133,10 +136,34 @@ def _one_more(
     by_chi2 = sorted(range(len(tries)), key=lambda i: chi2[i], reverse=True)
     kinds = {_numbers(tries[i]): i for i in by_chi2} | {_numbers(tries[found]): found}
     chosen = [tries[i] for size, i in sorted(kinds.items()) if size <= _numbers(tries[found])]
-    grown = [Played(best.data, _refined(best.data, [*best.effects, new], new)) for new in chosen]
+    grown = [Played(best.data, refined(best.data, [*best.effects, new], new)) for new in chosen]
     cheaper = cheapest(best.priced, [g.priced for g in grown], len(tries)) if len(grown) > 1 else None
     index = len(grown) - 1 if cheaper is None else cheaper
     return chosen[index], grown[index]
+
+
+def _of_all_anew(best: Played) -> Played:
+    """With the laws of all servos that do it for least, as long as others do it for less: one law may stand for several
+    of as many numbers together and leave too little to be seen. One number more is asked for where more than chance is
+    left."""
+    while True:
+        sets = _others_of_all(best)
+        grown = [Played(best.data, e) for e in in_processes([(with_laws, (best.data, best.effects, s)) for s in sets])]
+        found = cheapest(best.priced, [g.priced for g in grown], len(grown))
+        if found is None:
+            return best
+        best = grown[found]
+
+
+def _others_of_all(best: Played) -> list[tuple[str, ...]]:
+    """Sets of laws without a place, by name, of no more numbers than those that were found, which lack one of them at
+    most; a set with no other law in it is left to `earned`."""
+    own = {e.name for e in best.effects if e.place is None}
+    numbers = {k.name: len(k.parameters) for k in shown(best.data) if k.place is None}
+    size = sum(numbers.get(name, 0) for name in own)
+    most = size + bool(best.data.structure(best.angles).max() > 0)
+    sets = (s for count in range(1, most + 1) for s in combinations(numbers, count)) if size else ()
+    return [s for s in sets if not own >= set(s) and len(own - set(s)) <= 1 and sum(numbers[n] for n in s) <= most]
 
 
 def _unlike(best: Played, joint: int, left: float) -> str:
@@ -193,32 +220,13 @@ def _rivals(best: Played, effect: ActiveEffect, singles: list[Attempt]) -> list[
 
 
 def _each_without(best: Played) -> list[Played]:
-    tasks = [(_refined, (best.data, [e for e in best.effects if e is not out], out)) for out in best.effects]
+    tasks = [(refined, (best.data, [e for e in best.effects if e is not out], out)) for out in best.effects]
     return [Played(best.data, effects) for effects in in_processes(tasks)]
 
 
 def _without(best: Played, index: int) -> Played:
     kept = [e for i, e in enumerate(best.effects) if i != index]
-    return Played(best.data, _refined(best.data, kept, best.effects[index]))
-
-
-def _refined(data: Plays, chosen: Sequence[ActiveEffect], new: ActiveEffect | None = None) -> tuple[ActiveEffect, ...]:
-    """Fit each given the others, at its own joint alone, twice round. new: what came to them, or left them, just now;
-    those at other joints stay as they are: no joint touches another, but by when a trial began. Where nothing says when
-    that was, all are fitted together."""
-    chosen = list(chosen)
-    if chosen and not all(data.begun(r) for r in data.recordings):
-        return fit_together(data, chosen)
-    touched = {e.place for e in chosen} if new is None or new.place is None else {None, new.place}
-    for _ in range(2):
-        for i, effect in enumerate(chosen):
-            if effect.place not in touched:
-                continue
-            others = [e for e in chosen if e is not effect]
-            start = np.tile(np.array(effect.coordinates[:-1])[:, None], (1, data.readings.shape[1]))
-            (alone,) = fit_everywhere(data, effect.name, others, [start], effect.place)
-            chosen[i] = alone.effect
-    return tuple(chosen)
+    return Played(best.data, refined(best.data, kept, best.effects[index]))
 
 
 def _named(best: Played, effect: ActiveEffect) -> Named:
@@ -231,6 +239,8 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
     left, speed = (v / data.noise for v in (data.left(best.angles), data.speed(best.angles)))
     unsure = _unsure(data, speed)
     law, intervals = effect.effect, {}
+    if isinstance(law, ActuationEffect) and law.dead_time:
+        speed = -slopes[0]  # a start that is open is a delay, jumps and all
     for p, x, pull, chance in zip(parameters, effect.coordinates, pulls, np.diag(inverse), strict=False):
         scores, late = (
             np.array([(pull * v)[data.trials == t].sum() for t in range(len(data.recordings))]) for v in (left, speed)
@@ -242,8 +252,15 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
         reach = NORMAL * SYSTEMATIC * sd
         intervals[p.name] = interval([p.value(float(v)) for v in (x - reach, x + reach)])
     bound = tuple(p.name for p in parameters if effect.parameters[p.name] in (p.lower, p.upper))
-    stand_in = _law_error(best, effect) > 0
+    stand_in = _law_error(best, effect) > 0 or _may_be_any(best, effect)
     return Named(effect, intervals, _strength(data, effect), bound, stand_in)
+
+
+def _may_be_any(best: Played, effect: ActiveEffect) -> bool:
+    """Whether it is one of several laws of all servos, which together do for many a law that nobody knows, and they
+    leave more than chance of most joints."""
+    several = effect.place is None and sum(e.place is None for e in best.effects) > 1
+    return several and bool(np.median(best.data.structure(best.angles)) > 0)
 
 
 def _numbers(effect: ActiveEffect) -> int:

@@ -13,7 +13,7 @@ from serpenoid.diagnose.data.recording import ACTED_ON_S, Recording
 from serpenoid.diagnose.stages.plays import Plays, came_from, played_for_sure
 from serpenoid.diagnose.stages.set_points import corners
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.simulation.servos import realise_all
+from serpenoid.simulation.servos import coordinates, late_by, realise_all
 
 WITHIN_ROW = 4  # steps in which servos are followed from row to row
 
@@ -44,7 +44,10 @@ def _met(
     recordings = [r.taken(found.held, found.goals) for r in recordings]
     model = found.model(effects)
     between = [_between(r) if model.actuation_effects else np.zeros(1) for r in recordings]  # known ones among them
-    meshes = [np.unique(np.concatenate([corners(r.schedule), t])) for r, t in zip(recordings, between, strict=True)]
+    late = late_by(coordinates(model))  # corners are then, too
+    meshes = [
+        np.unique(np.concatenate([corners(r.schedule) + late, t])) for r, t in zip(recordings, between, strict=True)
+    ]
     told = [r.schedule.commanded(t) for r, t in zip(recordings, meshes, strict=True)]
     rested = [came_from(r, t) for r, t in zip(recordings, told, strict=True)]
     played = realise_all(model, told, meshes, came_from=rested)

@@ -202,6 +202,14 @@ class Plays:
             for r, time, rows in zip(self.recordings, self.times, self._rows, strict=True)
         ]
 
+    def later(self, effects: Sequence[ActiveEffect]) -> Floats:
+        """By how much later [s] than logs say each trial began, for readings to meet what servos do with these effects
+        best: in its middle."""
+        played, late = self.met(effects)
+        moves = self._moves(self._missed(played), self.speed(played))
+        middle = [shift + rate * float(t.mean()) for t, (shift, rate) in zip(self.times, moves, strict=True)]
+        return np.array([begun or 0.0 for begun in late]) - middle
+
     def at_joint(
         self, joint: int, others: Sequence[ActiveEffect]
     ) -> tuple[Floats, Callable[[Sequence[ActiveEffect]], Floats]]:

@@ -27,17 +27,19 @@ def ways(recordings: Sequence[Recording], held: bool | None = None) -> Iterator[
     """Readings between t0 and the end, at the log's own times, beside the set-points in every way to take them; held:
     whether rows are, where that is known."""
     recordings = _telling(recordings)
+    # those that run leave no doubt
+    jump = held is not False and not all(r.held_as_told is False for r in recordings)
+    if jump and any(r.may_be_goals for r in recordings):
+        # commands that jump may be goals of a profile, which runs; rows that run and are as late as a row are that, too
+        yield _plays([r.taken(held=False, goals=True) for r in recordings], told=False)
     if not held:
         yield _plays(recordings, told=False)
-    # commands that jump may be goals of a profile, which runs; those that run leave no doubt
-    if held is False or all(r.held_as_told is False for r in recordings):
+    if not jump:
         return
     jumping = [r.taken(held=True, goals=False) for r in recordings]
     yield _plays(jumping, told=False)
     if all(r.commands is not None for r in recordings):
         yield _plays(jumping, told=True)
-    if any(r.may_be_goals for r in recordings):
-        yield _plays([r.taken(held=False, goals=True) for r in recordings], told=False)
 
 
 def by_table(recordings: Sequence[Recording], held: bool) -> Plays:
