@@ -27,9 +27,10 @@ def relaid(recordings: Sequence[Recording], seen: Observation) -> tuple[tuple[Re
 
 def _late(r: Recording, seen: Observation) -> tuple[float, float]:
     """By how much later than its times say a trial was filmed [s], and the standard deviation."""
-    corners = seen_corners(r.body, r.markers)
-    begun = seen.begun(r.angles, marker_angles(r.body, r.markers))
+    markers = seen.unstretched(r.markers)
+    corners = seen_corners(r.body, markers)
+    begun = seen.begun(r.angles, marker_angles(r.body, markers))
     shown = seen.seen(r.body, seen.angles(r.angles, begun))
-    laid = Laid.by(r.time, r.time, bends(r.markers[:, corners]), r.time, bends(shown[:, corners]), None)
+    laid = Laid.by(r.time, r.time, bends(markers[:, corners]), r.time, bends(shown[:, corners]), None)
     step, sd = laid.step()
     return float(step[0]), float(sd[0])

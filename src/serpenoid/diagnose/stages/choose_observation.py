@@ -1,5 +1,5 @@
 """Which effects the markers show and the servos do not: zeros, play, markers that are displaced or sway, length scale,
-clock rate."""
+axes of a camera, clock rate."""
 
 from __future__ import annotations
 
@@ -48,10 +48,8 @@ def choose_observation(
     without: effects that are no candidates. before: what a reference left, which is no news (`Stage.squares`).
     """
     bare = best = Looked(sample(recordings), now, now, without=frozenset(without))
-    while (found := _next(best)) is not None:
+    while (found := _next(best)) is not None and not (_faint(best) and _faint(found)):
         best = found
-        if best.strength(best.keys[-1]) < VISIBLE:
-            break
     best = earned(best, bare, Looked.each_without, lambda f: np.inf if outweighed(bare.priced, f.priced) else f.needed)
     best = _beside_play(best, before)
     best, refused = lawful(best, lambda f: [effect_of(f, k) for k in f.keys], _law_error, Looked.without_one)
@@ -67,13 +65,18 @@ def choose_observation(
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     left, words, squares, new, divided = _left_over(best, before)
-    mend = other if any(n.stand_in for n in named) or (other is not None and other.told_alone and not before) else None
-    words += (mend.words,) if mend is not None and mend.visible else ()
+    mend = other if any(n.stand_in for n in named) else None
+    words += () if mend is None else (mend.words,)
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
     words = (*words, *beyond.values(), *unknown, *(RIDES.format(vertex=k) for k in torn), *refused)
     first = "" if mend is None else mend.remedy
     said = Stage("observation", named, rivals, undetected, left, words, squares=squares, news=new, mend=first)
     return replace(said, divided=divided), best.now
+
+
+def _faint(best: Looked) -> bool:
+    """Whether what was found last is below detection; what comes after it may still be the larger part of one cause."""
+    return best.size > 0 and best.strength(best.keys[-1]) < VISIBLE
 
 
 def _torn(named: Sequence[Named]) -> tuple[tuple[Named, ...], list[int]]:
