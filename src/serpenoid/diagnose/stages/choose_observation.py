@@ -48,15 +48,18 @@ def choose_observation(
     without: effects that are no candidates. before: what a reference left, which is no news (`Stage.squares`).
     """
     bare = best = Looked(sample(recordings), now, now, without=frozenset(without))
-    while (found := _next(best)) is not None and not (_faint(best) and _faint(found)):
-        best = found
+    while (more := _next(best)) is not None:
+        best = more
+        if best.size > 1 and best.strength(best.keys[-1]) < VISIBLE:  # the first may be the lesser part of one cause
+            break
     best = earned(best, bare, Looked.each_without, lambda f: np.inf if outweighed(bare.priced, f.priced) else f.needed)
     best = _beside_play(best, before)
     best, refused = lawful(best, lambda f: [effect_of(f, k) for k in f.keys], _law_error, Looked.without_one)
     beyond = _beyond_bounds(best)
     other = instead_of_effects(best)
-    instead = () if other is None else other.instead_of
-    every = [_named(best, key, stand_in=key in instead) for key in best.keys if key not in beyond]
+    kept = best.keys if other is None else other.beside.keys
+    fits = [(best if other is None or key not in kept else other.beside, key) for key in best.keys]
+    every = [_named(fit, key, stand_in=key not in kept) for fit, key in fits if key not in beyond]
     clock = _clock(recordings, best)
     every += [] if clock is None else [clock]
     nameless = [n for n in every if n.strength >= VISIBLE and n.may_change_nothing]
@@ -72,11 +75,6 @@ def choose_observation(
     first = "" if mend is None else mend.remedy
     said = Stage("observation", named, rivals, undetected, left, words, squares=squares, news=new, mend=first)
     return replace(said, divided=divided), best.now
-
-
-def _faint(best: Looked) -> bool:
-    """Whether what was found last is below detection; what comes after it may still be the larger part of one cause."""
-    return best.size > 0 and best.strength(best.keys[-1]) < VISIBLE
 
 
 def _torn(named: Sequence[Named]) -> tuple[tuple[Named, ...], list[int]]:

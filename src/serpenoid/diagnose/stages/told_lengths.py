@@ -3,13 +3,15 @@
 Every edge may be a little longer or shorter than `edge_lengths` says. Markers beside their places, or a scale, then
 stand in for it, one after the other. So where any are found, edges that are all free are their rival, beside all other
 effects and by the same price: the Bayesian information criterion of prices.py. A marker beside its place bends what its
-neighbours show, and no edges do.
+neighbours show, and no edges do. A scale may be there, too: then the few edges that are another share off than most are
+free beside it.
 
 Legend: N vertices.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -28,18 +30,21 @@ MOVE = frozenset({"markers", "ahead", "scale", None})  # marks of what moves mar
 LONGER = 1e-3  # of an edge, and of an effect's number [rad, or a share]: a small step; markers are linear in it
 ROUNDS = 12  # at most: edges and effects are fitted together
 SETTLED = 0.1  # standard errors: a step that no interval shows
+TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
 class OtherLengths:
     """Edges as the campaign states them and as markers show them [m], that explain markers for less than some effects,
     and these; differ: which differ beyond chance; turned: whether the told ones from head to tail do it for less still.
+    beside: all other effects, fitted to these edges.
     """
 
     told: Floats
     edges: Floats
     differ: np.ndarray
     instead_of: tuple[Key, ...]
+    beside: Looked
     turned: bool = False
 
     @property
@@ -72,18 +77,19 @@ class OtherLengths:
 @dataclass(frozen=True)
 class Refitted:
     """A sample with other edges [m], and what effects leave of it; own: columns of these; deviations: standard
-    errors of the edges beside the effects, in units of noise."""
+    errors of the edges beside the effects, in units of noise; numbers: how many edges are free."""
 
     data: Sample
     now: Observation
     own: int
     edges: Floats
     deviations: Floats
+    numbers: int
 
     @cached_property
     def priced(self) -> Priced:
         """What it leaves."""
-        return Priced(misfit(self.data, self.now), self.own + len(self.edges), self.data.count)
+        return Priced(misfit(self.data, self.now), self.own + self.numbers, self.data.count)
 
     @property
     def errors(self) -> Floats:
@@ -96,17 +102,40 @@ def instead_of_effects(best: Looked) -> OtherLengths | None:
     keys = tuple(k for k in best.keys if find(k[0]).marks in MOVE)
     if not keys:
         return None
-    rest = best
-    for key in keys:
-        rest = rest.without_one(rest.keys.index(key))
+    rest = _without(best, keys)
     free = _freed(rest)
-    fits = [free, _turned(rest, free)]
-    found = cheapest(best.priced, [f.priced for f in fits], len(fits))
+    tries = [(rest, free, keys), (rest, _turned(rest, free), keys), *_few(best, keys, free)]
+    found = cheapest(best.priced, [fit.priced for _, fit, _ in tries], len(tries))
     if found is None:
         return None
+    start, fit, instead_of = tries[found]
     told = stated(best.data.body)
-    differ = ((free.edges - told) / free.errors) ** 2 > most_gained(1, len(told))
-    return OtherLengths(told, free.edges, differ, keys, found == 1)
+    beside = replace(start, data=fit.data, now=fit.now)
+    return OtherLengths(told, fit.edges, _apart(fit, told), instead_of, beside, found == 1)
+
+
+def _few(best: Looked, keys: tuple[Key, ...], free: Refitted) -> list[tuple[Looked, Refitted, tuple[Key, ...]]]:
+    """Beside the scale that is found, with those edges free that are another share off than most."""
+    scale = [k for k in keys if find(k[0]).marks == "scale"]
+    told = stated(best.data.body)
+    which = _apart(free, told * float(np.median(free.edges / told)))
+    if not scale or not 0 < 2 * which.sum() < len(told):
+        return []
+    others = tuple(k for k in keys if k not in scale)
+    rest = _without(best, others)
+    return [(rest, _freed(rest, which), others)]
+
+
+def _apart(fit: Refitted, told: Floats) -> np.ndarray:
+    """Which edges differ from these beyond chance."""
+    return np.asarray(((fit.edges - told) / fit.errors) ** 2 > most_gained(1, len(told)))
+
+
+def _without(best: Looked, keys: Sequence[Key]) -> Looked:
+    """Without these effects, the others fitted again."""
+    for key in keys:
+        best = best.without_one(best.keys.index(key))
+    return best
 
 
 def stated(body: Body) -> Floats:
@@ -114,37 +143,37 @@ def stated(body: Body) -> Floats:
     return body.edges_m.reshape(-1, 2).sum(axis=1) if body.has_middles else body.edges_m
 
 
-def _freed(start: Looked) -> Refitted:
-    """With edges that are free beside the effects: by steps of Gauss and Newton in all of them."""
+def _freed(start: Looked, which: np.ndarray | None = None) -> Refitted:
+    """With edges, all or which, free beside the effects: by steps of Gauss and Newton in all of these numbers."""
     told, own = stated(start.data.body), start.own
-    edges, data, now = told, start.data, start.now
-    steps = LONGER * np.concatenate([told, np.ones(len(own))])
+    free = np.flatnonzero(np.ones(len(told), bool) if which is None else which)
+    edges, data, now, deviations = told.copy(), start.data, start.now, np.full(len(told), TINY)
+    longer = LONGER * np.diag(told)[free]
+    steps = np.concatenate([longer.sum(axis=1), np.full(len(own), LONGER)])
     for _ in range(ROUNDS):
         left = left_over(data, now)
-        longer = [left_over(_with_edges(data, edges + s), now) for s in np.diag(steps[: len(told)])]
-        moved = [left_over(data, now.with_column(c, LONGER)) for c in own]
-        slopes = np.stack([(other - left) / s for other, s in zip(longer + moved, steps, strict=True)], axis=1)
+        changed = [left_over(_with_edges(data, edges + s), now) for s in longer]
+        changed += [left_over(data, now.with_column(c, LONGER)) for c in own]
+        slopes = np.stack([(other - left) / s for other, s in zip(changed, steps, strict=True)], axis=1)
         step, covariance = np.linalg.lstsq(slopes, -left, rcond=None)[0], np.linalg.pinv(slopes.T @ slopes)
-        edges = np.maximum(edges + step[: len(told)], told / 2)
+        edges[free] = np.maximum(edges[free] + step[: len(free)], told[free] / 2)
         data = _with_edges(start.data, edges)
-        for column, amount in zip(own, step[len(told) :], strict=True):
+        for column, amount in zip(own, step[len(free) :], strict=True):
             now = now.with_column(column, float(amount))
-        deviations = _deviations(covariance)
-        if (np.abs(step) < SETTLED * deviations).all():
+        sure = np.sqrt(
+            np.maximum(np.diag(covariance), TINY)
+        )  # of what no marker shows next to nothing: it stays as told
+        deviations[free] = sure[: len(free)]
+        if (np.abs(step) < SETTLED * sure).all():
             break
-    return Refitted(data, now, len(own), edges, deviations[: len(told)])
-
-
-def _deviations(covariance: Floats) -> Floats:
-    """Of numbers; of what no marker shows next to nothing, as it stays as told."""
-    return np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
+    return Refitted(data, now, len(own), edges, deviations, len(free))
 
 
 def _turned(rest: Looked, free: Refitted) -> Refitted:
     """With the edges as told, from head to tail."""
     back = _with_edges(rest.data, stated(rest.data.body)[::-1])
     now = solved(back, free.now, rest.keys) if rest.keys else free.now
-    return Refitted(back, now, len(rest.own), np.zeros(0), np.zeros(0))
+    return Refitted(back, now, len(rest.own), free.edges, free.deviations, 0)
 
 
 def _with_edges(data: Sample, written: Floats) -> Sample:
