@@ -45,6 +45,8 @@ class Recording:
     the campaign promises of a cycle's duration, where that is another.
     strays: vertices whose markers were off in a single frame, and by how much [m]: they count as hidden.
     goals: whether commands that jump are taken as goals, each run to until the next is given.
+    camera (2, 2): what unit vectors look like to a camera that is known to be stretched; shapes that markers help to
+    tell are of the body as it is.
     """
 
     name: str
@@ -67,6 +69,7 @@ class Recording:
     asked_cycle_s: float | None = None
     strays: tuple[tuple[int, float], ...] = ()
     goals: bool = False
+    camera: Floats | None = None
 
     @property
     def held_as_told(self) -> bool | None:
@@ -182,7 +185,8 @@ class Recording:
 
     def _shown(self, read: ShapeInTime) -> list[Source]:
         """Marker angles on the frames, the joints' own zeros taken out, where they are known often enough."""
-        shown = marker_angles(self.body, self.markers)
+        markers = self.markers if self.camera is None else self.markers @ np.linalg.inv(self.camera)
+        shown = marker_angles(self.body, markers)
         miss = shown - read.at(self.time)
         if not np.isfinite(miss).sum(axis=0).all():
             return []

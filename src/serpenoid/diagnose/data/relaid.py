@@ -1,4 +1,5 @@
-"""Clocks laid over each other again, once it is known what lies between servos and markers.
+"""Clocks laid over each other again, and shapes by the markers of a stretched camera, once it is known what lies
+between servos and markers.
 
 At first joints are taken to bend as servos read (clocks.py). Play behind a servo is late in every cycle, and a
 displaced marker shows a part of its neighbours' bends: either draws the clock of its trial aside by some milliseconds,
@@ -10,11 +11,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
+from serpenoid.diagnose.data.axes import map_of
 from serpenoid.diagnose.data.laid import Laid
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.measure.links import bends, marker_angles
 from serpenoid.measure.servo_alignment import seen_corners
+
+SAME = 3e-5  # of a length
+
+
+def bent_by(recordings: Sequence[Recording], seen: Observation) -> tuple[tuple[Recording, ...], bool]:
+    """Recordings whose shapes, where logs are slow and markers tell the rest, are of the body as it is; whether `seen`
+    has another camera than they were by."""
+    camera = map_of(seen.axes)
+    away = max(float(np.abs(camera - (np.eye(2) if r.camera is None else r.camera)).max()) for r in recordings)
+    if away < SAME:
+        return tuple(recordings), False
+    return tuple(replace(r, camera=camera) for r in recordings), True
 
 
 def relaid(recordings: Sequence[Recording], seen: Observation) -> tuple[tuple[Recording, ...], bool]:

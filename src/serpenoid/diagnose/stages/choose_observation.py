@@ -52,7 +52,7 @@ def choose_observation(
         best = more
         if best.size > 1 and best.strength(best.keys[-1]) < VISIBLE:  # the first may be the lesser part of one cause
             break
-    best = earned(best, bare, Looked.each_without, lambda f: np.inf if outweighed(bare.priced, f.priced) else f.needed)
+    best = earned(best, bare, Looked.each_without, lambda f: np.inf if _another(bare, f) else f.needed)
     best = _beside_play(best, before)
     best, refused = lawful(best, lambda f: [effect_of(f, k) for k in f.keys], _law_error, Looked.without_one)
     beyond = _beyond_bounds(best)
@@ -75,6 +75,16 @@ def choose_observation(
     first = "" if mend is None else mend.remedy
     said = Stage("observation", named, rivals, undetected, left, words, squares=squares, news=new, mend=first)
     return replace(said, divided=divided), best.now
+
+
+def _another(bare: Looked, best: Looked) -> bool:
+    """Whether what is left is an error of another kind: more than is taken away, and of what the whole body shares also
+    more of what lasts from frame to frame. Readings that are rounded leave much that does not."""
+    if not outweighed(bare.priced, best.priced):
+        return False
+    lasts = structure(best.data, best.now).sum()
+    done = sum(float((best.signature(k)[: len(best.data.levels)] ** 2).sum()) for k in best.keys)
+    return any(place is not None for _, place in best.keys) or bool(lasts >= done)
 
 
 def _torn(named: Sequence[Named]) -> tuple[tuple[Named, ...], list[int]]:

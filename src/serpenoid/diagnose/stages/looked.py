@@ -115,7 +115,11 @@ class Looked:
 
     def strength(self, key: Key) -> float:
         """The worst channel's RMS of one effect alone, over the noise level."""
-        return float(signature(self.data, only(self.data.body, self.now, key)).max())
+        return float(self.signature(key).max())
+
+    def signature(self, key: Key) -> Floats:
+        """Of all channels."""
+        return signature(self.data, only(self.data.body, self.now, key))
 
 
 def effect_of(found: Looked, key: Key) -> ActiveEffect:
