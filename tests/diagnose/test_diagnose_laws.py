@@ -186,7 +186,11 @@ def test_the_numbers_of_a_law_are_found_with_eps(law: str, dragged: tuple[Motion
 
 @pytest.mark.parametrize(
     ("law", "law_open"),
-    [("coulomb", True), ("coulomb_by_components", True), ("coulomb", False)],  # effects make the plain slip of drag,
+    [  # effects make the plain slip of drag
+        pytest.param("coulomb", True, marks=pytest.mark.slow),
+        ("coulomb_by_components", True),
+        ("coulomb", False),
+    ],
 )
 def test_a_law_that_nobody_states_is_taken_where_it_leaves_little_and_drag_much(
     law: str, law_open: bool, dragged: tuple[Motion, Fit]

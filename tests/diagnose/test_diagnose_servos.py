@@ -243,7 +243,7 @@ def test_what_servos_do_after_a_trial_without_a_pause_is_no_lag(recordings: tupl
     assert low < lag < high
 
 
-@pytest.mark.parametrize(("late", "delayed"), [(0.06, False), (0.2, True)])
+@pytest.mark.parametrize(("late", "delayed"), [(0.06, False), pytest.param(0.2, True, marks=pytest.mark.slow)])
 def test_a_law_of_all_servos_that_is_only_the_nearest_is_a_stand_in(
     recordings: tuple[Recording, ...], late: float, delayed: bool
 ) -> None:

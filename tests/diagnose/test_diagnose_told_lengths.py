@@ -159,8 +159,9 @@ def test_a_stretched_camera_and_a_wrong_link_are_told_as_both(tmp_path: Path) ->
 @pytest.mark.parametrize("middles", [False, True])
 def test_the_one_edge_that_differs_is_told_of_those_that_are_written(tmp_path: Path, middles: bool) -> None:
     """Not the whole list, nor halves of edges where drag sits in their middles."""
-    off = np.where(np.arange(len(SNAKE10.edges)) == 2, 1.03, 1.0)
-    stage = seen(tmp_path / "short", [], SNAKE10.edges * off, middles=middles)
+    protocol = draw_protocol(29)
+    off = np.where(np.arange(len(protocol.robot.edges)) == 2, 1.03, 1.0)
+    stage = seen(tmp_path / "short", [], protocol.robot.edges * off, protocol, middles=middles)
     told = re.findall(r"entry (\d+) is [\d.]+ mm, not [\d.]+ \(([-+][\d.]+) %\)", stage.mend)
     assert [k for k, _ in told] == ["3"], stage.mend
     assert float(told[0][1]) == pytest.approx(100 / 1.03 - 100, abs=0.1)

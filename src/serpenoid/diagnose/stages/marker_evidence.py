@@ -29,6 +29,7 @@ from serpenoid.measure.servo_alignment import QUANTISATION_SD
 
 FRAMES_PER_TRIAL = 250
 AVERAGED_S = 0.09  # markers are looked at over this time: as the poses at a window's ends are
+KEPT = 100  # ways of joints across gaps; of ten times as many joints are followed 5 % less often
 LEAST_PLAY = 5e-3  # rad: a gap that jitter of the readings does not cross; narrower ones are followed as this one is
 
 
@@ -93,25 +94,34 @@ class Sample:
 
     def angles(self, now: Observation) -> Floats:
         """True joint angles (F, m)."""
-        if not now.gaps.any():
-            return self.readings + now.zeros
-        return np.concatenate([now.angles(read, now.begun(read, shown))[taken] for read, shown, taken in self.trials])
+        true = self.readings + now.zeros
+        for joint in np.flatnonzero(now.gaps):
+            true[:, joint] = self._across(int(joint), float(now.gaps[joint]), float(now.zeros[joint]))[0]
+        return true
 
     def by_gap(self, now: Observation, joint: int) -> Floats:
         """What a joint's angle (F,) changes by with its gap."""
         gap, zero = float(now.gaps[joint]), float(now.zeros[joint])
-        return self._narrow[:, joint] if gap <= LEAST_PLAY else self._following(joint, gap, zero)
+        followed = (gap, zero) if gap > LEAST_PLAY else (LEAST_PLAY, 0.0)
+        return self._across(joint, *followed)[1]
+
+    def _across(self, joint: int, gap: float, zero: float) -> tuple[Floats, Floats]:
+        """A joint's angle (F,) across a gap [rad], and its derivative by the gap. Most models that are tried differ at
+        other joints: what this one does is kept."""
+        known, numbers = self._crossed, (joint, gap, zero)
+        if numbers not in known:
+            if len(known) == KEPT:
+                known.clear()
+            true = [(read[:, joint] + zero, shown[:, joint], taken) for read, shown, taken in self.trials]
+            parts = [[x[taken] for x in across(r, gap, lying(r, shown, gap))] for r, shown, taken in true]
+            angles, slopes = (np.concatenate(x) for x in zip(*parts, strict=True))
+            known[numbers] = angles, slopes
+        return known[numbers]
 
     @cached_property
-    def _narrow(self) -> Floats:
-        return np.stack([self._following(j, LEAST_PLAY) for j in range(self.body.joint_count)], axis=1)
-
-    def _following(self, joint: int, gap: float, zero: float = 0.0) -> Floats:
-        slopes = []
-        for readings, shown, taken in self.trials:
-            true = readings[:, joint] + zero
-            slopes.append(across(true, gap, lying(true, shown[:, joint], gap))[1][taken])
-        return np.concatenate(slopes)
+    def _crossed(self) -> dict[tuple[int, float, float], tuple[Floats, Floats]]:
+        """By joint, gap and zero."""
+        return {}
 
 
 def sample(recordings: Sequence[Recording]) -> Sample:
