@@ -162,6 +162,16 @@ class Recording:
         return np.where(time < 0, -1, 2 * cycle + pause).astype(int)
 
     @cached_property
+    def reading_s(self) -> float:
+        """Median time between readings."""
+        return float(np.median(np.diff(self.read_at)))
+
+    @property
+    def slow(self) -> bool:
+        """Whether readings are too far apart to tell shapes alone."""
+        return self.by_servos and spacing(self.schedule.cycle_duration_s) < PER_KNOT * self.reading_s
+
+    @cached_property
     def shape(self) -> ShapeInTime:
         """Joint angles in time, as servos read them; with what the markers show where the log is slow.
 
@@ -173,9 +183,8 @@ class Recording:
         apart = spacing(schedule.cycle_duration_s)
         sd, tick = np.full(self.body.joint_count, READING_SD), TICK if self.by_servos else 0.0
         sources = [Source.of(log_s, self.position, sd, tick).until(self.promised_s)]
-        slow = float(np.median(np.diff(log_s)))
-        if self.by_servos and apart < PER_KNOT * slow:
-            read = fitted(sources, corners, max(apart, slow), carrier=self.carrier)
+        if self.slow:
+            read = fitted(sources, corners, max(apart, self.reading_s), carrier=self.carrier)
             shown = self._shown(read)
             if not shown:
                 return read

@@ -20,17 +20,17 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.measure.links import bends, marker_angles
 from serpenoid.measure.servo_alignment import seen_corners
 
-SAME = 3e-5  # of a length
+SAME = 3e-5  # of a length: what a scale is told to at best (`resolution` of its effects)
 
 
 def bent_by(recordings: Sequence[Recording], seen: Observation) -> tuple[tuple[Recording, ...], bool]:
     """Recordings whose shapes, where logs are slow and markers tell the rest, are of the body as it is; whether `seen`
     has another camera than they were by."""
     camera = map_of(seen.axes)
-    away = max(float(np.abs(camera - (np.eye(2) if r.camera is None else r.camera)).max()) for r in recordings)
-    if away < SAME:
+    before = [np.eye(2) if r.camera is None else r.camera for r in recordings if r.slow]
+    if all(np.abs(camera - known).max() < SAME for known in before):
         return tuple(recordings), False
-    return tuple(replace(r, camera=camera) for r in recordings), True
+    return tuple(replace(r, camera=camera) if r.slow else r for r in recordings), True
 
 
 def relaid(recordings: Sequence[Recording], seen: Observation) -> tuple[tuple[Recording, ...], bool]:

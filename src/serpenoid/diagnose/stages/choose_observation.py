@@ -83,7 +83,7 @@ def _another(bare: Looked, best: Looked) -> bool:
     if not outweighed(bare.priced, best.priced):
         return False
     lasts = structure(best.data, best.now).sum()
-    done = sum(float((best.signature(k)[: len(best.data.levels)] ** 2).sum()) for k in best.keys)
+    done = sum(float((best.signature(k)[:-1] ** 2).sum()) for k in best.keys)  # as `structure`, paths apart
     return any(place is not None for _, place in best.keys) or bool(lasts >= done)
 
 

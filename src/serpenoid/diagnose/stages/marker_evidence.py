@@ -261,17 +261,17 @@ def _rigid(points: Floats, seen: np.ndarray) -> Floats:
 
 
 def signature(data: Sample, effect: Observation) -> Floats:
-    """RMS of what an observation model changes over noise: marker angles over readings, link lengths, and of axes the
-    paths of trials (2 m + 1,), or one more."""
-    shown = np.sqrt((_shown(data, effect) ** 2).mean(axis=0))
-    return np.append(shown, _along_paths(data, effect)) if effect.axes.any() else shown
+    """RMS of what an observation model changes over noise (m + N,): marker angles over readings, link lengths, and by
+    its axes the paths of trials."""
+    return np.append(np.sqrt((_shown(data, effect) ** 2).mean(axis=0)), _along_paths(data, effect))
 
 
 def _along_paths(data: Sample, effect: Observation) -> float:
     """RMS over trials of what axes make of the way from the first frame to the last, over the noise of its ends."""
-    ends = np.cumsum([len(taken) for *_, taken in data.trials])
+    frames = np.array([len(taken) for *_, taken in data.trials])
+    last = np.cumsum(frames)[frames > 0] - 1
     middle = np.nanmean(data.markers, axis=1)
-    ways = middle[ends - 1] - middle[np.concatenate([[0], ends[:-1]])]
+    ways = middle[last] - middle[last - frames[frames > 0] + 1]
     longer, level = effect.stretched(ways) - ways, data.levels[-1] / np.sqrt(data.body.vertices)
     return float(np.sqrt((longer**2).sum(axis=1).mean()) / level)
 

@@ -4,7 +4,7 @@ Every edge may be a little longer or shorter than `edge_lengths` says. Markers b
 stand in for it, one after the other. So where any are found, edges that are all free are their rival, beside all other
 effects and by the same price: the Bayesian information criterion of prices.py. A marker beside its place bends what its
 neighbours show, and no edges do. A scale may be there, too: then the few edges that are another share off than most are
-free beside it.
+free beside it. A stretched camera makes edges depend on their direction: they are tried beside it, and in its stead.
 
 Legend: N vertices.
 """
@@ -27,10 +27,10 @@ from serpenoid.effects.catalogue import find
 from serpenoid.wording import listed
 
 MOVE = frozenset({"markers", "ahead", "scale", None})  # marks of what moves markers, by a law of its own, too
-LONGER = 1e-3  # of an edge, and of an effect's number [rad, or a share]: a small step; markers are linear in it
+LONGER = 1e-3  # of an edge, and of an effect's number in its unit: a small step; markers are linear in it
 ROUNDS = 12  # at most: edges and effects are fitted together
 SETTLED = 0.1  # standard errors: a step that no interval shows
-TINY = float(np.finfo(float).tiny)
+TINY = float(np.finfo(float).tiny)  # of what no marker shows: it stays as told
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class OtherLengths:
     def words(self) -> str:
         """What is found."""
         told = "`edge_lengths`, read from head to tail," if self.turned else "edges of other lengths than told"
-        return f"{told} explain the markers better than markers beside their places or a scale"
+        return f"{told} explain the markers better than markers beside their places, or a camera of other scales"
 
     @property
     def remedy(self) -> str:
@@ -77,7 +77,7 @@ class OtherLengths:
 @dataclass(frozen=True)
 class Refitted:
     """A sample with other edges [m], and what effects leave of it; own: columns of these; deviations: standard
-    errors of the edges beside the effects, in units of noise; numbers: how many edges are free."""
+    errors of the edges [m] beside the effects, by noise alone; numbers: how many edges are free."""
 
     data: Sample
     now: Observation
@@ -93,37 +93,44 @@ class Refitted:
 
     @property
     def errors(self) -> Floats:
-        """Standard errors of the edges, in units of what is left."""
+        """Standard errors of the edges [m], by what is left."""
         return self.deviations * SYSTEMATIC * max(self.priced.spread, 1.0)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """Other edges instead of some effects. rest: without these, by the edges as told; turned: see `OtherLengths`."""
+
+    rest: Looked
+    fit: Refitted
+    instead_of: tuple[Key, ...]
+    turned: bool = False
 
 
 def instead_of_effects(best: Looked) -> OtherLengths | None:
     """What does for less what effects do; None: they do it for less, or there is nothing."""
-    keys = tuple(k for k in best.keys if find(k[0]).marks in MOVE)
-    if not keys:
-        return None
-    rest = _without(best, keys)
-    free = _freed(rest)
-    tries = [(rest, free, keys), (rest, _turned(rest, free), keys), *_few(best, keys, free)]
-    found = cheapest(best.priced, [fit.priced for _, fit, _ in tries], len(tries))
+    move, every = (tuple(k for k in best.keys if find(k[0]).marks in marks) for marks in (MOVE, MOVE | {"axes"}))
+    tries = [t for keys in dict.fromkeys((move, every)) if keys for t in _instead_of(best, keys)]
+    found = cheapest(best.priced, [t.fit.priced for t in tries], len(tries))
     if found is None:
         return None
-    start, fit, instead_of = tries[found]
-    told = stated(best.data.body)
-    beside = replace(start, data=fit.data, now=fit.now)
-    return OtherLengths(told, fit.edges, _apart(fit, told), instead_of, beside, found == 1)
+    one, told = tries[found], stated(best.data.body)
+    beside = replace(one.rest, data=one.fit.data, now=one.fit.now)
+    return OtherLengths(told, one.fit.edges, _apart(one.fit, told), one.instead_of, beside, one.turned)
 
 
-def _few(best: Looked, keys: tuple[Key, ...], free: Refitted) -> list[tuple[Looked, Refitted, tuple[Key, ...]]]:
-    """Beside the scale that is found, with those edges free that are another share off than most."""
-    scale = [k for k in keys if find(k[0]).marks == "scale"]
-    told = stated(best.data.body)
-    which = _apart(free, told * float(np.median(free.edges / told)))
-    if not scale or not 0 < 2 * which.sum() < len(told):
-        return []
-    others = tuple(k for k in keys if k not in scale)
-    rest = _without(best, others)
-    return [(rest, _freed(rest, which), others)]
+def _instead_of(best: Looked, keys: tuple[Key, ...]) -> list[Tried]:
+    """Edges instead of these effects: all free, or turned round, or few beside the scale that is found: those that are
+    another share off than most."""
+    rest, told = _without(best, keys), stated(best.data.body)
+    free = _freed(rest)
+    tries = [Tried(rest, free, keys), Tried(rest, _turned(rest, free), keys, turned=True)]
+    others = tuple(k for k in keys if find(k[0]).marks != "scale")
+    few = _apart(free, told * float(np.median(free.edges / told)))
+    if len(others) < len(keys) and 0 < 2 * few.sum() < len(told):
+        rest = _without(best, others)
+        tries.append(Tried(rest, _freed(rest, few), others))
+    return tries
 
 
 def _apart(fit: Refitted, told: Floats) -> np.ndarray:
@@ -160,9 +167,7 @@ def _freed(start: Looked, which: np.ndarray | None = None) -> Refitted:
         data = _with_edges(start.data, edges)
         for column, amount in zip(own, step[len(free) :], strict=True):
             now = now.with_column(column, float(amount))
-        sure = np.sqrt(
-            np.maximum(np.diag(covariance), TINY)
-        )  # of what no marker shows next to nothing: it stays as told
+        sure = np.sqrt(np.maximum(np.diag(covariance), TINY))
         deviations[free] = sure[: len(free)]
         if (np.abs(step) < SETTLED * sure).all():
             break
