@@ -177,7 +177,7 @@ def _freed(start: Looked, which: np.ndarray | None = None) -> Refitted:
 def _turned(rest: Looked, free: Refitted) -> Refitted:
     """With the edges as told, from head to tail."""
     back = _with_edges(rest.data, stated(rest.data.body)[::-1])
-    now = solved(back, free.now, rest.keys) if rest.keys else free.now
+    now = solved(back, free.now, rest.keys)
     return Refitted(back, now, len(rest.own), free.edges, free.deviations, 0)
 
 
