@@ -190,7 +190,10 @@ def test_links_of_a_body_without_edges_are_as_the_question_says(tmp_path: Path, 
     capsys.readouterr()
     with pytest.raises(SystemExit):
         main(["new", "problem", "--help"])
-    assert "half as long at both ends" in " ".join(capsys.readouterr().out.split())
+    said = " ".join(capsys.readouterr().out.split())
+    assert "half as long at both ends" in said
+    assert "Mass in kilograms (default 0.9, of an animal none)" in said
+    assert "(default 0.2, of a swimmer 0.5)" in said
 
 
 def test_edges_alone_say_how_many_joints_there_are(tmp_path: Path) -> None:
@@ -203,6 +206,28 @@ def test_an_animal_has_no_servos_and_no_limit_of_theirs(tmp_path: Path) -> None:
     assert load(path).body.joint_speed_limit_rpm is None
     assert "servo" not in path.read_text()
     assert load(new("problem", tmp_path / "snake.toml")).body.joint_speed_limit_rpm == 57.0
+
+
+@pytest.mark.parametrize(("kind", "ratio"), [("crawler", 0.2), ("swimmer", 0.5)])
+def test_an_animal_is_a_smooth_body_of_which_nothing_is_made_up(
+    tmp_path: Path, kind: str, ratio: float, capsys: pytest.CaptureFixture
+) -> None:
+    path = new("problem", tmp_path / "worm.toml", "--kind", kind)
+    said, found = capsys.readouterr().out, load(path)
+    assert all(word not in said for word in ("wheels", "mass", "joint-limit", "length"))
+    assert (found.medium.dissipation, found.medium.anisotropy_ratio) == ("edge", ratio)
+    assert (found.body.mass_kg, found.body.joint_limit_deg, found.body.told_length_m) == (None, None, None)
+    assert found.body.sparse_edges is None
+    assert found.task.cycle_duration_s is None
+    assert simulate(found).trajectory.displacement > 0.1
+    satisfies("problem", path)
+
+
+def test_what_is_said_of_an_animal_is_written(tmp_path: Path) -> None:
+    words = "--length", "0.002", "--joint-limit", "25", "--mass", "0.1", "--cycle-duration", "2"
+    found = load(new("problem", tmp_path / "worm.toml", "--kind", "crawler", *words))
+    assert (found.body.told_length_m, found.body.joint_limit_deg, found.body.mass_kg) == (0.002, 25.0, 0.1)
+    assert found.task.cycle_duration_s == 2.0
 
 
 def test_kind_and_dissipation_of_a_new_problem_are_options(tmp_path: Path) -> None:
@@ -236,7 +261,7 @@ def test_questions_are_asked_on_a_terminal_and_asked_again_after_a_wrong_answer(
     said = os.read(master, 65536).decode()
     os.close(master)
     assert process.returncode == 0
-    assert "How many joints (empty: one fewer than edges, else 6)?" in said
+    assert "How many joints (empty: one fewer than edges, else 6; of an animal 19)?" in said
     assert "needs a whole number from 1 to 98, got 'many'" in said
     assert "Begin: serpenoid solve" in out
     assert load(tmp_path / "mine.toml").body.joint_count == 4

@@ -109,6 +109,11 @@ class Body(Record):
         return float(self.edges_m.sum())
 
     @property
+    def told_length_m(self) -> float | None:
+        """Body length [m], None where nobody said it."""
+        return self.total_length_m if self.length_m or self.edge_lengths else None
+
+    @property
     def odd_length(self) -> str | None:
         """A sentence where no such body is as long or as short, with the unit that may be meant."""
         (low, high), length = PLAUSIBLE_M[self.kind], self.total_length_m

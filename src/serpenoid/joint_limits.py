@@ -61,7 +61,10 @@ def _speed_lines(problem: Problem, table: Floats) -> list[str]:
     joint, turns = turns_per_cycle(table, closed=not problem.task.transient)
     shortest = ceil(turns * 60 / declared * 100) / 100
     if duration is None:
-        return [f"joint speed       within {declared:g} rpm in cycles of {shortest:g} s or more; no `cycle_duration_s`"]
+        return [
+            f"warning           joint_speed_limit_rpm = {declared:g} does not hold without `cycle_duration_s`; this "
+            f"gait keeps to it in cycles of {shortest:g} s or more"
+        ]
     speed = turns * 60 / duration
     if problem.joint_speed_limit_rpm is None:
         return [f"joint speed       {declared:g} rpm SWITCHED OFF by `joint_speed_limits`; joints reach {speed:.1f}"]

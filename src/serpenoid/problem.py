@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import reduce
 from operator import or_
 from pathlib import Path
@@ -137,6 +139,7 @@ class Problem(Record):
     effects: tuple[ActiveEffect, ...] = Field(default=(), description="see `serpenoid effects`")
     _folder: Path = PrivateAttr(default=Path("."))
     _name: str = PrivateAttr(default="problem")
+    _source: str = PrivateAttr(default="problem")
 
     def __repr__(self) -> str:
         body, task = self.body, self.task
@@ -249,6 +252,14 @@ class Problem(Record):
         """The file's folder: joint tables are named relative to it."""
         return self._folder
 
+    @contextmanager
+    def named_by(self, key: str) -> Iterator[None]:
+        """What is wrong with a file that a key names begins with the problem file and the key."""
+        try:
+            yield
+        except InputError as error:
+            raise InputError(f"{self._source}: {key}: {error}") from None
+
     @property
     def hash(self) -> str:
         """Changes with any number in the problem, and with the files that [task.robust] names. Raises InputError."""
@@ -298,7 +309,7 @@ def load(
         gait.setdefault("family", _family(gait))
     source = str(path) if model is None else f"{path} with --model {model}"
     problem = schema.validate(Problem, data, source)
-    problem._folder, problem._name = path.parent, path.stem
+    problem._folder, problem._name, problem._source = path.parent, path.stem, source
     return problem
 
 

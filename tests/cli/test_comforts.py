@@ -35,7 +35,7 @@ def test_the_version_is_said(capsys: pytest.CaptureFixture[str]) -> None:
 def test_simulate_says_what_coarse_steps_make_of_the_motion(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert simulated(tmp_path / "out", "--set", "task.steps=3", "--set", "task.cycles=2") == 0
     (said,) = (line for line in capsys.readouterr().out.splitlines() if line.startswith("mesh "))
-    assert "a cycle: " in said
+    assert "one cycle: " in said
     assert "error of 3 steps" in said
     assert not json.loads((tmp_path / "out" / "solution.json").read_text(encoding="utf-8"))["mesh"]["converged"]
 

@@ -46,6 +46,11 @@ def test_a_recording_in_the_place_of_a_file_says_where_it_belongs() -> None:
         schema.load(Problem, PROBLEMS / "recordings/lamprey.csv")
 
 
+def test_a_program_in_the_place_of_a_problem_is_said_to_be_one() -> None:
+    with pytest.raises(InputError, match=r"is no problem file but a Python program: .* takes is a TOML file"):
+        schema.load(Problem, PROBLEMS / "own_objective.py")
+
+
 def test_a_misspelt_verb_is_guessed(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as stopped:
         main(["slove", "x"])

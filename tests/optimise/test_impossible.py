@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from serpenoid.errors import InputError
+from serpenoid.media import LAWS
 from serpenoid.objectives.term import Played, miss
 from serpenoid.objectives.travel import Travel
 from serpenoid.optimise.multistart import MultiStart, solve_one
@@ -16,7 +17,7 @@ from serpenoid.optimise.nearest import with_nearest
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve
-from serpenoid.optimise.unmoved import why_unmoved
+from serpenoid.optimise.unmoved import there_and_back, why_unmoved
 from serpenoid.results import solution_record
 from serpenoid.simulation import simulate_batch
 from serpenoid.simulation.problem import simulate
@@ -185,6 +186,40 @@ def test_a_failure_of_one_joint_is_laid_to_the_one_joint_and_no_other_start_is_a
 def test_what_one_joint_cannot_do_is_not_said_of_a_way_without_return_nor_of_two_joints(change: str) -> None:
     assert why_unmoved(problem("reach", *ONE_JOINT)) is not None
     assert why_unmoved(problem("reach", *ONE_JOINT, change)) is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "there_and_back"),
+    [
+        (("task.bounds.sigma=[0.0, 0.0]",), True),  # a standing wave: its shapes lie on a straight line
+        (("task.bounds.a=[0.0, 0.0]",), True),  # one shape
+        (("task.bounds.sigma=[0.0, 0.1]",), False),
+        (("task.bounds.sigma=[0.0, 0.0]", "task.transient=true"), False),
+        (("gait.family=fourier-joints", "task.bounds.angle=[-0.5, 0.5]"), False),
+        (("gait.family=table", "task.bounds.angle=[-0.5, 0.5]"), False),
+    ],
+)
+def test_bounds_that_leave_only_gaits_there_and_back_are_recognised(
+    changes: tuple[str, ...], there_and_back: bool
+) -> None:
+    said = why_unmoved(problem("reference-optimum", "task.steps=12", *changes))
+    assert (said is not None) == there_and_back
+    assert said is None or "scallop theorem" in said
+
+
+def test_a_curve_that_is_run_back_moves_no_body_whatever_the_law() -> None:
+    """Shapes on a curve that is no line, the second half in reverse order: by every law the way back undoes the way."""
+    way = (
+        np.linspace(0, 1, 9)[:, None] * np.array([1.0, -0.7, 0.4])
+        + np.array([[0.3 * k * (8 - k)] * 3 for k in range(9)]) / 16
+    )
+    way[:, 1] *= way[:, 0]
+    table = np.vstack([way, way[-2:0:-1]])
+    assert there_and_back(table)
+    assert not there_and_back(np.vstack([way, way[-2:0:-1] * [1, 1, 0.9]]))
+    for law in LAWS:
+        model = problem("reference", "body.vertices=5", f'medium.law="{law}"').model
+        assert simulate_batch(model, table[None]).poses[0, -1] == pytest.approx(np.zeros(3), abs=1e-9), law
 
 
 def test_where_a_body_at_rest_does_as_well_it_is_said() -> None:

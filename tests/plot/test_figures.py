@@ -187,7 +187,7 @@ def test_a_motion_is_drawn_until_what_is_asked_for_has_been_reached(problem, tra
     task = {"steps": 20, "objectives": ({"kind": "position", "target": (1.4, 0.5), "cycles": 3},)}
     asked = Problem.model_validate(problem.model_dump(exclude_unset=True) | {"task": task})
     ax = figures.motion_figure(trajectory, asked).axes[0]
-    path = next(line for line in ax.lines if line.get_label() == "centre of mass")
+    path = next(line for line in ax.lines if line.get_label() == "weighted centroid")
     poses, _ = over_cycles(trajectory, 3)
     np.testing.assert_array_equal(path.get_xydata(), poses[:, :2])
     assert ax.get_title(loc="left").endswith("; 3 cycles")

@@ -102,7 +102,7 @@ def test_a_limit_far_beyond_the_speeds_is_told_and_leaves_them_the_picture(ax, t
     reach = float(np.abs(speeds).max())
     joints.joint_speeds(speeds, ax, limit_rpm=7 * reach)
     assert max(ax.get_ylim()) < 1.5 * reach
-    assert any("7 times as much" in text.get_text() for text in ax.texts)
+    assert any("7 times what is reached" in text.get_text() for text in ax.texts)
 
 
 def test_joint_map_shows_every_angle(ax, table):

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 from serpenoid.optimise.chain_store import ChainStore
+from serpenoid.optimise.refine import REFINED
 from serpenoid.optimise.solve import solve
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.performance import pareto_front
 from serpenoid.studies.sweep import Sweep, sweep
+from serpenoid.studies.sweep_results import write_sweep
 from specimens import problem
 
 VALUES = (0.0, 0.5, 1.0, 2.0)
@@ -97,6 +99,24 @@ def test_a_point_that_ctrl_c_comes_amid_is_not_reached_and_none_failed(monkeypat
     result = sweep(problem("reference-optimum"), VALUES, starts=1, seed=0)
     assert not result.complete
     assert [(p.reached, p.solution is not None) for p in result.points] == [(True, True)] * 2 + [(False, False)] * 2
+
+
+def test_a_refined_point_is_the_optimum_of_a_finer_mesh_and_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At another c than the file's; the second time nothing is solved."""
+    asked = problem("reference-optimum", "task.steps=20")
+    done: list[int] = []
+    found = sweep(asked, [0.5], 1, 0, tmp_path, False, lambda n, _: done.append(n), refined=True)
+    best = found.solved[0]
+    direct = solve(problem("reference-optimum", f"task.steps={best.mesh.steps}", "task.c=0.5"), starts=1).best
+    assert (best.c, best.mesh.steps > 20, best.mesh.within(REFINED)) == (0.5, True, True)
+    assert best.cost == pytest.approx(direct.cost, abs=SAME_COST)
+    assert done[-1] == 3  # up, down, refined
+    assert write_sweep(tmp_path, found, figures=False)["mesh"]["coarse"] == 0
+    monkeypatch.setattr(GaitSolver, "solve", lambda *_, **__: pytest.fail("it is kept"))
+    again = sweep(asked, [0.5], 1, 0, tmp_path, False, refined=True)
+    assert again.solved[0].cost == pytest.approx(best.cost, abs=1e-12)
 
 
 def test_a_value_of_c_that_cannot_be_solved_is_recorded_and_the_others_go_on() -> None:

@@ -34,8 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         sub = kinds.add_parser(kind, help=f"a {kind} file", description=f"Write a {kind} file.")
         sub.add_argument("path", nargs="?", type=Path, default=Path(template.default_path), metavar="FILE")
         for question in template.questions:
-            default = f" (default {question.default})" if question.default else ""
-            sub.add_argument(f"--{question.name}", metavar="X", help=f"{question.text}{default}")
+            sub.add_argument(f"--{question.name}", metavar=question.name.upper(), help=question.help)
         sub.add_argument("--yes", action="store_true", help="ask nothing: the defaults, where no option answers")
 
 
@@ -62,12 +61,16 @@ def run(args: argparse.Namespace) -> int:
             raise InputError(f"--{question.name}: --{question.unless} says it already. Leave one of them out.")
         if idle and given is not None:
             raise InputError(f"--{question.name}: is for --{question.only} alone. Give that, too.")
+        if given is None and question.passed_over(answers):
+            answers[question.name] = None
+            continue
+        default = question.default_for(answers)
         wanted = given is None and not said and not idle
         if wanted and talks:
-            answers[question.name] = _ask(question)
+            answers[question.name] = _ask(question, default)
             continue
-        answers[question.name] = question.value(question.default if given is None else given)
-        assumed += [f"--{question.name} {question.default}"] if wanted and question.default else []
+        answers[question.name] = question.value(default if given is None else given)
+        assumed += [f"--{question.name} {default}"] if wanted and default else []
     first = template.write(path, answers)
     unsaid = [f"Assumed, as nobody said: {', '.join(assumed)}."] if assumed else []
     sys.stdout.write("\n".join([str(path), *unsaid, *_length(args.file, path), f"Begin: {first}", ""]))
@@ -95,15 +98,15 @@ def _check_name(name: str) -> None:
         raise InputError(f"FILE: a name is made of letters, digits, spaces and `_ . + -`, got {name!r}.")
 
 
-def _ask(question: Question) -> Any:
+def _ask(question: Question, default: str) -> Any:
     """Until the answer can be read; Enter takes the default."""
     while True:
-        sys.stderr.write(f"{question.text}{f' [{question.default}]' if question.default else ''}: ")
+        sys.stderr.write(f"{question.text}{f' [{default}]' if default else ''}: ")
         sys.stderr.flush()
         line = sys.stdin.readline()
         if not line:
             raise InputError("the questions were not answered to the end. --yes takes the defaults.")
         try:
-            return question.value(line.strip() or question.default)
+            return question.value(line.strip() or default)
         except InputError as error:
             options.complain(str(error))

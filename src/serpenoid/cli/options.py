@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     from serpenoid.parallel import Workers
+    from serpenoid.problem import Problem
 
 from serpenoid.cli.claim import claim
 from serpenoid.cli.log import settle
@@ -133,6 +134,15 @@ def complain(message: str) -> None:
     """A sentence on standard error."""
     log.info("said: %s", message)
     sys.stderr.write(f"serpenoid: {message}\n")
+
+
+def warn_of_speed(problem: Problem) -> None:
+    """A sentence on standard error, with --quiet too, where a speed limit cannot hold."""
+    if problem.joint_speed_limit_rpm is not None and problem.task.cycle_duration_s is None:
+        complain(
+            f"joint_speed_limit_rpm = {problem.joint_speed_limit_rpm:g} does not hold: without `cycle_duration_s` in "
+            "[task] no joint has a speed. Give the duration, or leave out the limit."
+        )
 
 
 class Advance(Protocol):

@@ -13,7 +13,7 @@ from typing import Any
 
 from serpenoid.cli import options
 from serpenoid.cli.claim import REQUEST
-from serpenoid.cli.goals import dissipation_name, goal_lines
+from serpenoid.cli.goals import dissipation_name, goal_lines, in_cycles
 from serpenoid.cli.starts import bound_lines, note_lines, starts_lines
 from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
 from serpenoid.media import DEFAULT, LAWS
@@ -91,6 +91,7 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
     body, gait = record["body"], record["gait"]
     law = LAWS[record.get("law", DEFAULT)]  # not in older records
     joints = counted(len(body["joints"]), "joint")
+    together = in_cycles(record["cycles"]) * (record["cycles"] > 1)
     lines = [
         f"{record['kind']}: {record['status']}"
         + ("" if record["message"] == record["status"] else f" ({record['message']})"),
@@ -101,9 +102,9 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
         *(f"effect            {_effect(effect)}" for effect in record.get("effects", [])),
         f"gait              {', '.join(_gait(gait))}",
         *bound_lines(record.get("at_bounds", [])),
-        f"displacement      {_short(record['displacement_body_lengths'])} body lengths in {record['cycles']} cycle(s)",
-        f"heading change    {_short(record['heading_change_rad'])} rad",
-        f"{dissipation_name(law.name)}{_short(record['dissipation'])}",
+        f"displacement      {_short(record['displacement_body_lengths'])} body lengths{in_cycles(record['cycles'])}",
+        f"heading change    {_turn(record)} rad{together}",
+        f"{dissipation_name(law.name)}{_short(record['dissipation'])}{together}",
         *goal_lines(record),
         *_floor(record),
         *note_lines(record.get("note")),
@@ -134,11 +135,16 @@ def _floor(record: dict[str, Any]) -> list[str]:
     return [f"on the floor      {floor_words(record['sideways_deg'], record['tilt_rad'], record['standing'])}"]
 
 
+def _turn(record: dict[str, Any]) -> str:
+    turn = record["heading_change_rad"]
+    return "unknown" if turn is None else options.signed(turn)
+
+
 def _mesh(mesh: dict[str, Any]) -> str:
     if mesh["displacement_error"] is None:
         return "a finer one could not be simulated"
     limit, error = mesh["extrapolated_displacement_body_lengths"], mesh["displacement_error"]
-    said = f"{limit:.6f} body lengths for many steps; error of {mesh['steps'][0]} steps {error:.1e}"
+    said = f"the same gait with many steps: {limit:.6f} body lengths; error of {mesh['steps'][0]} steps {error:.1e}"
     turn, spent = mesh.get("extrapolated_turn_rad"), mesh.get("dissipation_error")  # not in older records
     said += f"; turn {turn:.6f} rad, error {mesh['turn_error_rad']:.1e}" if turn else ""
     return said if spent is None else f"{said}; dissipation {mesh['extrapolated_dissipation']:.6f}, error {spent:.1e}"

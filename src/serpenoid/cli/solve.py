@@ -34,7 +34,7 @@ from typing import TYPE_CHECKING, Any
 from serpenoid.cli import options
 from serpenoid.cli.claim import sign
 from serpenoid.cli.iterations import Iterations
-from serpenoid.cli.starts import bound_lines, note_lines, refinement, starts_lines, summary
+from serpenoid.cli.starts import MOST_BOUNDS, bound_lines, note_lines, refinement, starts_lines, summary
 from serpenoid.wording import counted
 
 if TYPE_CHECKING:
@@ -74,6 +74,7 @@ def run(args: argparse.Namespace) -> int:
     _check_together(args)
     assignments = [*args.set, *([f"task.c={args.c!r}"] if args.c is not None else [])]
     problem = load(args.problem, assignments, args.model)
+    options.warn_of_speed(problem)
     if args.ladder:
         return climb_ladder(args, problem)
     return _improve(args, problem) if args.improve else _solve(args, problem)
@@ -238,6 +239,11 @@ def _why(best: Solution) -> str | None:
             f"task.constraints.heading_change_rad = {heading:g}: no gait was found that turns so far in one cycle. "
             "Ask for a smaller heading change, or allow larger amplitudes and joint angles."
         )
+    if best.status is Status.INFEASIBLE and (missed := _missed(best)):
+        return (
+            f"no start met all constraints. The nearest gait that was found: {'; '.join(missed)}. These may exclude "
+            "each other: relax one of them, or try more starts (--starts)."
+        )
     if best.status in (Status.NOT_CONVERGED, Status.NOT_STATIONARY) and (why := why_unsolved(problem)) is not None:
         return why
     if problem.family_of().free and not _calm(problem):
@@ -246,6 +252,21 @@ def _why(best: Solution) -> str | None:
             "(or [task.bounds] angle) and joint_speed_limit_rpm, or a `bending` term among [[task.objectives]]."
         )
     return None
+
+
+def _missed(best: Solution) -> list[str]:
+    """What the gait misses or exceeds, and the bounds that it ended at."""
+    from serpenoid.joint_limits import limit_lines
+    from serpenoid.optimise.outcomes import goal_words
+
+    if not best.trajectory.status.ok:
+        return []
+    goals = goal_words(best.problem, best.table, best.trajectory, best.self_clearance)
+    warned = [
+        line.removeprefix("warning").strip() for line in limit_lines(best.problem, best.table) if "warning" in line
+    ]
+    bounds = [f"{name}, a bound" for name in best.at_bounds[:MOST_BOUNDS]]
+    return [*(goal for goal in goals if "missed" in goal), *warned, *bounds]
 
 
 def _calm(problem: Problem) -> bool:
@@ -261,7 +282,7 @@ def _options(args: argparse.Namespace) -> list:
 
 
 def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: Refined | None = None) -> list[str]:
-    from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines
+    from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines, mesh_lines, speed_lines
     from serpenoid.performance import lighthill_efficiency
     from serpenoid.trajectory import floor_lines
 
@@ -275,6 +296,7 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: 
         f"status            {best.status.name.lower()}{'' if best.status.ok else f': {best.message}'}",
         *note_lines(best.note),
         f"displacement      {best.trajectory.displacement:z.6f} body lengths{'' if task.transient else ' per cycle'}",
+        *speed_lines(best.problem, best.trajectory.displacement),
         f"{dissipation_name(best.problem.medium.law)}{best.trajectory.dissipation:z.6f}",
         *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
         f"cost              {best.cost:z.6f} at c = {best.c:g}",
@@ -287,10 +309,20 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: 
         f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
         f"polishing gain {gain}",
         *clear_lines(best.clearance, best.self_clearance),
-        f"mesh              {best.mesh.words}",
+        *mesh_lines(best.mesh, record["goals"], "--refine"),
+        *_optimum_lines(best, refined),
         *starts_lines(record),
         f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s){kept}{finer}",
     ]
+
+
+def _optimum_lines(best: Solution, refined: Refined | None) -> list[str]:
+    """That the mesh's error is of this gait, where a finer mesh may have another optimum and none was tried."""
+    from serpenoid.optimise.refine import REFINED
+
+    if refined is not None or not best.status.ok or best.mesh.within(REFINED):
+        return []
+    return [f"{'':18}this gait is the optimum of {best.mesh.steps} steps; with more another may be better: --refine"]
 
 
 def _case_lines(best: Solution) -> list[str]:

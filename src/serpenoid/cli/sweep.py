@@ -7,6 +7,10 @@
 other with warm starts; the best answer is taken at every c. Solved points are kept: the same command goes on where it
 was killed. A point that fails is recorded with its reason in sweep.csv, and the sweep goes on (exit code 1 at the end).
 
+Each point is the optimum with `task.steps` rows; with more rows the optimum may be another gait. A family over c can
+have kinks that come from the mesh. `--refine` solves every point again with more steps until the error of its
+displacement is below 0.1 %.
+
 The cost of transport is (p_idle + dissipation) / displacement, with p_idle the idle energy per cycle in units of the
 normalised dissipation; with [power] in the problem file also in SI.
 """
@@ -42,6 +46,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=options.seed, default=0, help="seed of the random gaits (default 0)")
     parser.add_argument("--no-polish", action="store_true", help="leave out the derivative-free check of every point")
+    parser.add_argument(
+        "--refine", action="store_true", help="solve every point again with more steps, until it is good to 0.1 %%"
+    )
     options.add_workers(parser, "problems")
     options.add_output(parser, "results/<problem>/sweep-<hash>")
 
@@ -86,6 +93,7 @@ def run(args: argparse.Namespace) -> int:
     problems = [load(path, args.set, args.model) for path in args.problems]
     for problem in problems:
         check_weights(problem, values)
+        options.warn_of_speed(problem)
     folders = [_folder(args, problem, values) for problem in problems]
     if len(set(folders)) < len(folders):
         raise InputError("two of the problem files would write to the same folder: name each once, or rename one.")
@@ -94,13 +102,15 @@ def run(args: argparse.Namespace) -> int:
     if args.cluster is None and (len(problems) == 1 or args.jobs <= 1):
         summaries = []
         for problem, folder in zip(problems, folders, strict=True):
-            with options.progress_bar(args, f"{problem.name}", 2 * len(values)) as advance:
+            with options.progress_bar(args, f"{problem.name}", (2 + args.refine) * len(values)) as advance:
                 summaries.append(sweep_one(problem, values, folder, vars(args), advance))
             if not summaries[-1]["complete"]:
                 break
     else:
         summaries = _in_parallel(args, problems, values, folders)
-    options.report(args, summaries, [line for summary in summaries for line in _lines(summary, args.starts)])
+    options.report(
+        args, summaries, [line for summary in summaries for line in _lines(summary, args.starts, args.refine)]
+    )
     for folder in folders:
         options.open_page(args, folder)
     if not all(s["complete"] for s in summaries):
@@ -115,14 +125,14 @@ def sweep_one(problem: Problem, values: list[float], folder: Path, settings: dic
     from serpenoid.studies.sweep_results import write_sweep
 
     polish = not settings["no_polish"]
-    result = sweep(problem, values, settings["starts"], settings["seed"], folder, polish, advance)
+    result = sweep(problem, values, settings["starts"], settings["seed"], folder, polish, advance, settings["refine"])
     return write_sweep(folder, result, figures=not settings["no_figures"])
 
 
 def _in_parallel(args: argparse.Namespace, problems: list, values: list[float], folders: list[Path]) -> list[dict]:
     from serpenoid.parallel import results
 
-    settings = {key: getattr(args, key) for key in ("starts", "seed", "no_polish", "no_figures")}
+    settings = {key: getattr(args, key) for key in ("starts", "seed", "no_polish", "no_figures", "refine")}
     tasks = [(p, values, f.resolve(), settings) for p, f in zip(problems, folders, strict=True)]
     summaries = []
     with options.progress_bar(args, "problems", len(problems)) as advance:
@@ -135,7 +145,7 @@ def _in_parallel(args: argparse.Namespace, problems: list, values: list[float], 
 def _folder(args: argparse.Namespace, problem: Problem, values: list[float]) -> Path:
     from serpenoid.results import default_folder
 
-    key = [values, args.starts, args.seed, args.no_polish]
+    key = [values, args.starts, args.seed, args.no_polish, *(["refined"] if args.refine else [])]
     if args.out and len(args.problems) > 1:
         options.check_writable(Path(args.out))
         return claim(args, Path(args.out) / problem.name, problem.hash, *key)
@@ -144,7 +154,7 @@ def _folder(args: argparse.Namespace, problem: Problem, values: list[float]) -> 
     return claim(args, folder, problem.hash, *key)
 
 
-def _lines(summary: dict, starts: int) -> list[str]:
+def _lines(summary: dict, starts: int, refined: bool) -> list[str]:
     missing = f", {summary['not_reached']} not reached" if summary["not_reached"] else ""
     kept = f" ({summary['kept_from_an_earlier_run']} kept from an earlier run)" * bool(
         summary["kept_from_an_earlier_run"]
@@ -157,6 +167,7 @@ def _lines(summary: dict, starts: int) -> list[str]:
         *_failures(summary["failures"]),
         *([f"  displacement {went[0]:.4f} .. {went[1]:.4f} body lengths", _transport(window)] if went else []),
         *(f"  {line}, at the least c" for line in summary["limits"]),
+        *_mesh_lines(summary["mesh"], refined),
         f"  either end began from {counted(starts, 'random gait')}; more (--starts) may find a better branch",
         f"  written to {summary['folder']}",
     ]
@@ -168,6 +179,20 @@ def _failures(failures: list[dict[str, Any]]) -> list[str]:
         return []
     more = f" ({len(failures) - 1} more: sweep.csv)" * (len(failures) > 1)
     return [f"  failed at c = {failures[0]['c']:g}: {failures[0]['message']}{more}"]
+
+
+def _mesh_lines(mesh: dict[str, Any] | None, refined: bool) -> list[str]:
+    """How far the number of steps counts in the family."""
+    if mesh is None:
+        return []
+    least, most = mesh["steps"]
+    steps = f"{least}" if least == most else f"{least} to {most}"
+    said = f"  mesh: {steps} steps; with many steps the same gaits go as far within {100 * mesh['largest_error']:.2g} %"
+    if not mesh["coarse"]:
+        return [said]
+    if refined:
+        return [f"{said}; {counted(mesh['coarse'], 'point')} could not be refined to 0.1 %"]
+    return [f"{said}, but other gaits may then be better, and kinks vanish: --refine, or --set task.steps={4 * most}"]
 
 
 def _transport(window: list[float] | None) -> str:

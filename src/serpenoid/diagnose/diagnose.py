@@ -43,6 +43,7 @@ from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.stages.ladder import Climbed, Step, motion_step, motion_steps, shape_steps
 from serpenoid.diagnose.stages.laid_beside import laid_beside, of_play
 from serpenoid.diagnose.stages.ratio_change import RatioChange, ratio_changed
+from serpenoid.diagnose.stages.refuted import shapes_believed
 from serpenoid.diagnose.stages.values_of_motion import ratio_interval
 from serpenoid.diagnose.stages.witness import of_servos
 from serpenoid.effects.active import ActiveEffect
@@ -140,7 +141,9 @@ def diagnose(
     steps = shape_steps(servos, recordings, actuation, observation, seen)
     climbed(steps)
     say("shape against motion")
-    motion = choose_motion(recordings, seen, baseline, say, searched)
+    believed = shapes_believed(recordings, seen, observation, baseline)
+    observation = replace(observation, words=(*observation.words, *filter(None, [believed.words])))
+    motion = choose_motion(believed.recordings, believed.seen, baseline, say, searched)
     baseline = motion.baseline or baseline
     motion = beside_changes(motion, (actuation, observation), baseline, seen)
     stages = (actuation, observation, motion.stage)

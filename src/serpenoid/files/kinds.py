@@ -16,6 +16,7 @@ BY_SUFFIX = {
     ".csv": "a table: recordings are named in a campaign (`serpenoid new campaign`, of an animal with --film), joint "
     "tables are played (`serpenoid play`)",
     ".json": "a record: `serpenoid show` takes the folder it is in",
+    ".py": "a Python program: run it with `python`; what a verb takes is a TOML file",
     ".h5": "a recording: name it in a campaign (`serpenoid new campaign`)",
     ".npz": "a recording: name it in a campaign (`serpenoid new campaign`)",
 }

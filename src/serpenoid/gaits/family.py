@@ -54,7 +54,7 @@ class Gait(GaitNumbers):
     def words(self) -> str:
         """One line for people."""
         fields = self.model_dump(exclude={"family"})
-        return ", ".join(f"{name} {value:.4f}" for name, value in fields.items() if isinstance(value, float))
+        return ", ".join(f"{name} {value:z.4f}" for name, value in fields.items() if isinstance(value, float))
 
     def document(self) -> dict[str, Any]:
         """What a results folder keeps beside the joint table."""

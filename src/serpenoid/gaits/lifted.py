@@ -73,7 +73,7 @@ class LiftedGait(Gait):
     @property
     def words(self) -> str:
         """One line for people."""
-        return f"{self.bend.words}, lifted {self.phase:+.4f} cycles behind, bias {self.bias:+.4f}"
+        return f"{self.bend.words}, lifted {self.phase:+z.4f} cycles behind, bias {self.bias:+z.4f}"
 
 
 def lifted(gait: Gait, lift: Lift) -> LiftedGait:

@@ -87,12 +87,12 @@ class MeshStudy:
 
     @property
     def words(self) -> str:
-        """One line: limit and error."""
+        """One line: limit and error of the gait, held fixed; an optimum of more steps may be another gait."""
         if not np.isfinite(self.error):
             return f"{self.steps} steps: a finer mesh could not be simulated"
         turns = GYRATION * abs(self.turn) > RESOLVED
         return "; ".join([
-            f"{self.displacement:z.6f} body lengths for many steps; error of {self.steps} steps "
+            f"the same gait with many steps: {self.displacement:z.6f} body lengths; error of {self.steps} steps "
             f"{_share(self.error, self.displacement)}",
             *([f"turn {self.turn:.6f} rad, error {_share(self.turn_error, self.turn)}"] if turns else []),
             f"dissipation {self.dissipation:z.6f}, error {_share(self.dissipation_error, self.dissipation)}",

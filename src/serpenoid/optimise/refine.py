@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
+from serpenoid.optimise.chain_store import CHAIN, ChainStore
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
 from serpenoid.optimise.multistart import MultiStart, solve_one
 from serpenoid.optimise.robust import solver_of
@@ -24,6 +26,12 @@ DOUBLINGS = 6
 MOST_REFINED = 3  # distinct optima better than the best certified one that are tried: each may cost six doublings
 ASTRAY = (Status.STOPPED, Status.NOT_CONVERGED, Status.INFEASIBLE, Status.NOT_A_NUMBER)  # nothing begins well there
 Progress = Callable[[Solution], None]
+Kept = Callable[[int], ChainStore]  # steps -> where the answer with so many is kept
+
+
+def kept_in(folder: str | Path, name: str) -> Kept:
+    """Where answers on finer meshes are kept; name: of the answer that is refined, unique in the folder."""
+    return lambda steps: ChainStore(Path(folder) / CHAIN, f"{name}-refined-{steps}")
 
 
 @dataclass(frozen=True)
@@ -47,11 +55,14 @@ def refine(
     flag: StopFlag | None = None,
     progress: Progress | None = None,
     watch: Callable[[float], None] | None = None,
+    kept_at: Kept | None = None,
+    polish: bool = True,
 ) -> Refined:
     """The same problem solved with twice the steps, from this solution's motion, and again until its mesh is fine.
 
     Fine: the displacement's error is at most `share` of its limit. A gait that no mesh confirms stays refused.
     `progress(solution)` is called before each mesh with what is solved again, `watch(objective)` at each iteration.
+    What is kept at `kept_at(steps)` is not solved again.
     """
     last, kept, seconds = solution, solution, 0.0
     for _ in range(doublings):
@@ -59,9 +70,9 @@ def refine(
             break
         if progress is not None:
             progress(last)
-        finer = _finer(last, flag, watch)
+        finer = _finer(last, flag, watch, kept_at, polish)
         seconds += finer.seconds
-        if flag and finer.polishing_gain is None:  # it was not certified to the end
+        if flag and (finer.status is Status.STOPPED or (polish and finer.polishing_gain is None)):  # not to its end
             break
         last = finer
         if _rank(last) >= _rank(kept):
@@ -101,14 +112,21 @@ def _holds(refined: Refined) -> bool:
     return refined.solution.status.ok
 
 
-def _finer(solution: Solution, flag: StopFlag | None, watch: Callable[[float], None] | None) -> Solution:
-    """The problem with twice the steps, solved from this solution's gait and polished."""
+def _finer(
+    solution: Solution,
+    flag: StopFlag | None,
+    watch: Callable[[float], None] | None,
+    kept_at: Kept | None,
+    polish: bool,
+) -> Solution:
+    """The problem with twice the steps, solved from this solution's gait, at its c."""
     problem, family = with_steps(solution.problem, 2 * solution.mesh.steps), solution.problem.family_of(solution.gait)
     gait = family.refined(2).gait(family.on_finer_rows(solution.q, 2))
     solver = solver_of(problem, gait=gait)
     start = np.clip(solver.family.start(), *solver.gait_bounds())
     carried = solver.about(start, good=True)
-    return solve_one(solver, start, problem.task.c, polish=True, flag=flag, watch=watch, carried=carried)[0]
+    store = None if kept_at is None else kept_at(problem.task.steps)
+    return solve_one(solver, start, solution.c, None, polish, flag, watch, carried, store)[0]
 
 
 def with_steps(problem: Problem, steps: int) -> Problem:

@@ -110,7 +110,7 @@ def motion_figure(trajectory: Trajectory, problem: Problem, cycles: int | None =
     title = f"{trajectory_words(trajectory, one)}{shown}{contact_words(trajectory)}"
     bodies = 9 if cycles == 1 else max(1, min(4, 12 // cycles)) * cycles + 1
     dots = _countable(problem.body.joint_vertices) if cycles == 1 else ()
-    motion(trajectory, ax, cycles, bodies, title, metres(problem), dots)
+    motion(trajectory, ax, cycles, bodies, title, problem.body.told_length_m, dots)
     targets(problem, ax)
     obstacles(problem, ax)
     legend_above(ax, 5)
@@ -139,12 +139,6 @@ def contact_words(trajectory: Trajectory) -> str:
     """A warning where the chain crosses itself."""
     rows = int(crosses_itself(trajectory.vertices[: trajectory.steps_per_cycle]).sum())
     return f"\nThe body crosses itself in {rows} of {trajectory.steps_per_cycle} rows!" if rows else ""
-
-
-def metres(problem: Problem) -> float | None:
-    """Body length [m], if the problem gives one."""
-    body = problem.body
-    return body.total_length_m if body.length_m or body.edge_lengths else None
 
 
 def _countable(joint_vertices: tuple[int, ...]) -> tuple[int, ...]:

@@ -86,14 +86,14 @@ def joint_bar(ax: Axes | list[Axes], count: int) -> None:
 
 
 def _limits(ax: Axes, limit: float | None, name: str, reach: float) -> None:
-    """Dashed lines at +-limit, named; of one far above the data the name and how far, so that it leaves curves room."""
+    """Dashed lines at +-limit, named; of one far above the data its name and how far, so that it leaves curves room."""
     ax.axhline(0, color=GREY, linewidth=0.8)
     top = 1.08 * reach or 1.0
     if limit and limit > FAR * reach > 0:
         top = 1.3 * reach
         ax.annotate(
-            f"{name}, {limit / reach:.2g} times as much", (0.99, 0.97), xycoords="axes fraction", ha="right", va="top",
-            color=RED, fontsize=SMALL, bbox={"facecolor": "white", "linewidth": 0, "pad": 0.5},
+            f"{name}, {limit / reach:.2g} times what is reached", (0.99, 0.97), xycoords="axes fraction", ha="right",
+            va="top", color=RED, fontsize=SMALL, bbox={"facecolor": "white", "linewidth": 0, "pad": 0.5},
         )  # fmt: skip
     elif limit:
         ax.axhline(limit, color=RED, linewidth=1.3, linestyle="--")

@@ -1,4 +1,4 @@
-"""Bodies along the path: shapes at a few phases in the world, over the trace of the centre of mass.
+"""Bodies along the path: shapes at a few phases in the world, over the trace of the weighted centroid.
 
 Legend: R rows, N vertices; lengths in body lengths.
 """
@@ -49,7 +49,7 @@ def motion(
     for row in rows:
         phase = row / steps if cycles == 1 else row % steps / steps
         draw_body(chains[row], ax, PHASE_MAP(phase), joints=joints)
-    ax.plot(*poses[:, :2].T, color=INK, linewidth=1.6, zorder=3, label="centre of mass")
+    ax.plot(*poses[:, :2].T, color=INK, linewidth=1.6, zorder=3, label="weighted centroid")
     ax.plot(*poses[:1, :2].T, "o", markersize=7, color="white", markeredgecolor=INK, zorder=5, label="start")
     ax.plot(*poses[-1:, :2].T, "s", markersize=7, color=INK, zorder=5, label="end")
     ax.plot([], [], "o", markersize=8, color=PHASE_MAP(0.0), label="head")

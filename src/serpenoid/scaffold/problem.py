@@ -2,7 +2,7 @@
 
 Wheels in the middles of links stand at vertices of their own, which do not bend; what stands at the joints then weighs
 next to nothing. Drag along a smooth body sits in the middles of edges, and a link of one edge would turn freely: links
-are cut into `PIECES`.
+are cut into `PIECES`. An animal has no links: all its `POINTS` bend.
 """
 
 from __future__ import annotations
@@ -21,30 +21,50 @@ from serpenoid.scaffold.questions import Answers, Question, Template, number, nu
 
 KINDS = get_args(Kind)
 JOINTS = 6  # where nothing is said
+POINTS = 21  # along an animal: drag in the middles of its edges leaves out 1/400
 PIECES = 4  # a link: drag in their middles leaves out 1/16 of what resists its own turning
+LENGTH, DURATION = "0.6", "5"  # of a robot, where nothing is said
+UNKNOWN = dict.fromkeys(ANIMALS, "")
 QUESTIONS = (
     Question("kind", f"What is it: {', '.join(KINDS)} (empty: not said)?", "", one_of("", *KINDS)),
-    Question("joints", "How many joints (empty: one fewer than edges, else 6)?", "", or_empty(whole(1, 98))),
+    Question(
+        "joints", "How many joints (empty: one fewer than edges, else 6; of an animal 19)?", "", or_empty(whole(1, 98))
+    ),
     Question(
         "edges", "Edge lengths in metres, tail to head (empty: equal links, half as long at both ends)", "", numbers
     ),
-    Question("length", "Body length in metres (where no edges are given)", "0.6", number(0, 1000), "edges"),
+    Question(
+        "length",
+        "Body length in metres (where no edges are given)",
+        LENGTH,
+        or_empty(number(0, 1000)),
+        "edges",
+        animals=UNKNOWN,
+    ),
     Question(
         "wheels",
-        "Where do wheels (feet, scales) meet the floor: at the joints, or in the middles of links?",
+        "Where do wheels (feet, scales) meet the floor: at the `joints`, or in the `middles` of links?",
         "joints",
         one_of("joints", "middles"),
+        of_robots=True,
     ),
-    Question("mass", "Mass in kilograms", "0.9", number(0, 1e4)),
-    Question("joint-limit", "How far may a joint bend, in degrees?", "60", number(0, 180)),
-    Question("cycle-duration", "Seconds per cycle", "5", number(0, 600)),
+    Question("mass", "Mass in kilograms", "0.9", number(0, 1e4), of_robots=True),
+    Question("joint-limit", "How far may a joint bend, in degrees?", "60", number(0, 180), of_robots=True),
+    Question("cycle-duration", "Seconds per cycle", DURATION, or_empty(number(0, 600)), animals=UNKNOWN),
     Question(
         "dissipation",
-        "Is drag at each vertex (wheels, feet), or along each edge (a smooth body)?",
+        "Is drag at each `vertex` (wheels, feet), or along each `edge` (a smooth body)?",
         "vertex",
         one_of("vertex", "edge"),
+        animals=dict.fromkeys(ANIMALS, "edge"),
     ),
-    Question("anisotropy", "Drag lengthwise over sideways (wheels: 0.2, slender swimmers: 0.5)", "0.2", number(0, 1)),
+    Question(
+        "anisotropy",
+        "Drag lengthwise over sideways (wheels: 0.2, slender swimmers: 0.5)",
+        "0.2",
+        number(0, 1),
+        animals={"swimmer": "0.5"},
+    ),
 )
 
 
@@ -56,13 +76,13 @@ def edges_of(answers: Answers) -> list[float]:
         raise InputError(f"--edges: a joint stands between two edges, got {len(given)}.")
     if given and len(given) != joints + 1:
         raise InputError(f"--edges: {joints} joints need {joints + 1} edges, got {len(given)}.")
-    spacing = answers["length"] / joints
+    spacing = (answers["length"] or float(LENGTH)) / joints
     return list(given) or [spacing / 2, *[spacing] * (joints - 1), spacing / 2]
 
 
 def write(path: Path, answers: Answers) -> str:
     """Write the file; returns a command to begin with."""
-    edges = edges_of(answers)
+    edges = [] if _smooth(answers) else edges_of(answers)
     write_text(path, _text(write_schema(path.parent, "problem"), path.name, answers, edges))
     return f"serpenoid solve {shlex.quote(str(path))} --c 1.0"
 
@@ -70,18 +90,17 @@ def write(path: Path, answers: Answers) -> str:
 def _text(hint: str, file: str, answers: Answers, edges: list[float]) -> str:
     name, typed = Path(file).stem, shlex.quote(file)
     return f"""{hint}
-# {name}: a chain of {len(edges) - 1} joints. `serpenoid schema problem` lists every key.
+# {name}: {_what(edges)}. `serpenoid schema problem` lists every key.
 #   serpenoid simulate {typed}             the gait below
 #   serpenoid solve {typed} --c 1.0        the gait that carries it farthest for what it dissipates
 {_of_servos(typed, answers)}
 [about]
-question = "Which gait carries {name} farthest per cycle, at a given price of dissipation?"
+question = "Which gait carries {name} farthest per cycle, for what it dissipates?"
 
 [body]
 {_chain(answers, edges)}
 # one of {", ".join(KINDS)}: which effects `diagnose` tries; all, where it is left out
 {"# " * (not answers["kind"])}kind = "{answers["kind"] or KINDS[0]}"
-mass_kg = {answers["mass"]:g}
 {_limits(answers)}
 
 [medium]
@@ -95,8 +114,8 @@ xi = 1.0
 
 [task]
 steps = 50                   # rows of the joint table
-cycle_duration_s = {answers["cycle-duration"]:g}
-c = 0.0                      # price of the normalised dissipation: 0 .. 2.5
+{_duration(answers)}
+c = 0.0                      # weight of the dissipation T E beside the displacement: 0 .. 2.5
 
 [task.bounds]                # where the optimiser may look
 sigma = [0.0, 1.0]
@@ -117,13 +136,37 @@ def _of_servos(file: str, answers: Answers) -> str:
 def _limits(answers: Answers) -> str:
     """How far a joint may bend, and of what has servos how fast."""
     if answers["kind"] in ANIMALS:
-        return f"joint_limit_deg = {answers['joint-limit']:g}         # holds in solve"
-    return f"""joint_limit_deg = {answers["joint-limit"]:g}         # holds in solve, check, export and play
+        mass, limit = answers["mass"], answers["joint-limit"]
+        lines = [] if mass is None else [f"mass_kg = {mass:g}"]
+        known = (
+            "# joint_limit_deg = 30         # how far the body bends at one vertex, if that is known; holds in solve"
+        )
+        return "\n".join([*lines, known if limit is None else f"joint_limit_deg = {limit:g}         # holds in solve"])
+    return f"""mass_kg = {answers["mass"]:g}
+joint_limit_deg = {answers["joint-limit"]:g}         # holds in solve, check, export and play
 joint_speed_limit_rpm = 57.0  # of the servos: XL430-W250-T at 11.1 V"""
 
 
+def _smooth(answers: Answers) -> bool:
+    """Whether it is an animal of whose parts nobody says anything."""
+    return answers["kind"] in ANIMALS and not (answers["edges"] or answers["joints"] or answers["wheels"])
+
+
+def _what(edges: list[float]) -> str:
+    return f"a chain of {len(edges) - 1} joints" if edges else "a smooth body"
+
+
+def _duration(answers: Answers) -> str:
+    duration = answers["cycle-duration"]
+    return "# cycle_duration_s = 1.0       # if it is known" if duration is None else f"cycle_duration_s = {duration:g}"
+
+
 def _chain(answers: Answers, edges: list[float]) -> str:
-    """Vertices, edges and weights of `edges` [m] from tail to head."""
+    """Vertices, edges and weights of `edges` [m] from tail to head; none: points along a smooth body."""
+    if not edges:
+        length = answers["length"]
+        said = "# length_m = 0.001             # if it is known" if length is None else f"length_m = {length:g}"
+        return f"vertices = {POINTS}                # points along the body, all but the ends bend\n{said}"
     if answers["wheels"] == "middles":
         body = Body(vertices=len(edges) + 1, edge_lengths=tuple(edges)).with_middles()
         return f"""vertices = {body.vertices}             # tail marker, wheel, joint, wheel, ..., wheel, head marker

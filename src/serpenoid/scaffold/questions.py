@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from serpenoid.body import ANIMALS
 from serpenoid.errors import InputError
 
 Answers = Mapping[str, Any]
@@ -17,6 +18,7 @@ class Question:
     """`name` is the option, `text` what is asked; `read` turns an answer into a value, or raises ValueError.
 
     unless, only: another question; where that has an answer (only: has none), this one is not looked at.
+    of_robots: not asked of an animal, whose answer is None unless it is given; animals: other defaults, by their kind.
     """
 
     name: str
@@ -25,6 +27,24 @@ class Question:
     read: Callable[[str], Any]
     unless: str = ""
     only: str = ""
+    of_robots: bool = False
+    animals: Mapping[str, str] = field(default_factory=dict)
+
+    def default_for(self, answers: Answers) -> str:
+        """The default beside what is answered already."""
+        return self.animals.get(answers.get("kind") or "", self.default)
+
+    @property
+    def help(self) -> str:
+        """What is asked, and the defaults."""
+        said = [f"default {self.default}"] if self.default else []
+        said += ["of an animal none"] if self.of_robots else []
+        said += [f"of a {kind} {default or 'none'}" for kind, default in self.animals.items()]
+        return f"{self.text} ({', '.join(said)})" if said else self.text
+
+    def passed_over(self, answers: Answers) -> bool:
+        """Whether it is none of an animal's."""
+        return self.of_robots and answers.get("kind") in ANIMALS
 
     def value(self, answer: str) -> Any:
         """The answer as a value; raises InputError that names the option."""

@@ -36,7 +36,8 @@ def gait_table(problem: Problem) -> Floats:
     """Joint table of the problem's gait, shape (R, m) [rad]."""
     gait = problem.gait
     if isinstance(gait, TableGait) and gait.path is not None:
-        return read_table(problem.folder / gait.path, problem.body.joint_count)
+        with problem.named_by("[gait] path"):
+            return read_table(problem.folder / gait.path, problem.body.joint_count)
     family = problem.family_of()
     return family_tables(problem.model, family, family.start()[None])[0]
 
@@ -45,7 +46,8 @@ def gait_parameters(problem: Problem, family: GaitFamily) -> Floats:
     """Parameters (n,) of the problem's gait in its family; a table may stand in a file."""
     gait = family.like
     if isinstance(gait, TableGait) and gait.path is not None:
-        table = read_table(problem.folder / gait.path, family.joints)
+        with problem.named_by("[gait] path"):
+            table = read_table(problem.folder / gait.path, family.joints)
         if len(table) != family.rows:
             raise InputError(f"{gait.path}: needs {family.rows} rows to start from, got {len(table)}. Set task.steps.")
         return table.ravel()

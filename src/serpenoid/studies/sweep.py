@@ -4,7 +4,7 @@ Each end starts from random gaits; each distinct optimum that they find there be
 solved warm from its neighbour's answer: what is best at an end need not lead to what is best amid. At every c the
 lowest cost is taken. Branches that meet are one, which is not followed twice; so are two of either end where neither of
 two neighbours' gaits is better at the other's c. Every point is written when it is solved, so that a killed sweep goes
-on where it stopped.
+on where it stopped. `refine`: the best answer at every c is solved again with more steps, as `solve --refine` does.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from serpenoid.errors import InputError
 from serpenoid.optimise.chain_store import CHAIN, ChainStore
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
 from serpenoid.optimise.multistart import as_solution
+from serpenoid.optimise.refine import kept_in, refine
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import Answer, GaitSolver
@@ -110,10 +111,12 @@ def sweep(
     folder: str | Path | None = None,
     polish: bool = True,
     progress: Progress | None = None,
+    refined: bool = False,
 ) -> Sweep:
     """Optimal gaits of a problem, or of its file, for every c in `values`.
 
-    With `folder`, solved chain points are kept there and not solved again.
+    With `folder`, solved chain points are kept there and not solved again. `refined`: each optimum is solved again with
+    more steps until the error of its displacement is below 0.1 %.
     """
     problem, ordered = problem_of(problem), _in_order(values)
     check_weights(problem, ordered)
@@ -133,9 +136,14 @@ def sweep(
                 if progress is not None:
                     least = min(answers.values(), key=_order).outcome.objective
                     progress(done, f"c = {c:g}: {least:.6f}")
-        points = tuple(_better(solver, c, found, polish, flag) for c in ordered.tolist())
+        points = []
+        for c in ordered.tolist():
+            points.append(_better(solver, c, found, _Certified(polish, refined, folder), flag))
+            if refined and progress is not None and not flag:
+                done += 1
+                progress(done, f"c = {c:g}: refined")
     kept = sum(any(chain[c].kept for chain in found.values() if c in chain) for c in ordered.tolist())
-    return Sweep(problem, points, complete=not flag, kept=kept)
+    return Sweep(problem, tuple(points), complete=not flag, kept=kept)
 
 
 def _in_order(values: Sequence[float] | Floats) -> Floats:
@@ -265,14 +273,31 @@ def _next(
     return answer
 
 
+@dataclass(frozen=True)
+class _Certified:
+    """How the answers are certified, and whether they are refined; folder: where finer ones are kept."""
+
+    polish: bool
+    refined: bool
+    folder: str | Path | None
+
+    def __call__(self, solver: GaitSolver, name: str, c: float, answer: Answer, flag: StopFlag) -> Solution:
+        """The answer of the branch `name` at c."""
+        solution = as_solution(solver, answer, c, self.polish and not flag, flag=flag)
+        if not self.refined or flag:
+            return solution
+        kept_at = None if self.folder is None else kept_in(self.folder, name)
+        return refine(solution, flag=flag, kept_at=kept_at, polish=self.polish).solution
+
+
 def _better(
-    solver: GaitSolver, c: float, found: dict[str, dict[float, Answer]], polish: bool, flag: StopFlag
+    solver: GaitSolver, c: float, found: dict[str, dict[float, Answer]], certified: _Certified, flag: StopFlag
 ) -> SweepPoint:
     candidates = [(name, chain[c]) for name, chain in found.items() if c in chain]
     candidates.sort(key=lambda pair: _order(pair[1]))
     reasons: dict[str, list[str]] = {}
     for name, answer in candidates:
-        solution = as_solution(solver, answer, c, polish and not flag, flag=flag)
+        solution = certified(solver, name, c, answer, flag)
         if solution.status.ok:
             return SweepPoint(c, solution, name, solution.message)
         reasons.setdefault(solution.message, []).append(name)

@@ -7,6 +7,9 @@ from typing import Any
 
 from serpenoid.files.writing import provenance, write_csv, write_json
 from serpenoid.joint_limits import limit_lines
+from serpenoid.optimise.mesh import RESOLVED
+from serpenoid.optimise.refine import REFINED
+from serpenoid.optimise.solution import Solution
 from serpenoid.performance import electrical_cost_of_transport, idle_for_minimum, pareto_front
 from serpenoid.problem import Problem
 from serpenoid.results import write_solution
@@ -36,6 +39,7 @@ def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict
         "displacement": [float(result.displacement.min()), float(result.displacement.max())] if solved else None,
         "limits": limit_lines(result.problem, solved[0].table) if solved else [],
         "idle_for_minimum_between_1_and_2": window,
+        "mesh": _mesh(solved) if solved else None,
         "status": "solved" if len(solved) == len(result.points) and result.complete else "incomplete",
         "provenance": provenance(problem=result.problem.name, problem_hash=result.problem.hash),
     }
@@ -48,8 +52,16 @@ def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict
     return summary
 
 
+def _mesh(solved: list[Solution]) -> dict[str, Any]:
+    """Steps, and how far the worst displacement is off; coarse: how many points are not as good as `--refine` asks."""
+    steps = [s.mesh.steps for s in solved]
+    moving = [s.mesh.error / abs(s.mesh.displacement) for s in solved if abs(s.mesh.displacement) > RESOLVED]
+    coarse = sum(not s.mesh.within(REFINED) for s in solved)
+    return {"steps": [min(steps), max(steps)], "largest_error": max(moving, default=0.0), "coarse": coarse}
+
+
 BEFORE = ["c", "status", "displacement_body_lengths", "dissipation", "cost", "heading_change_rad", "cost_of_transport"]
-AFTER = ["iterations", "seconds", "chain", "message"]
+AFTER = ["steps", "iterations", "seconds", "chain", "message"]
 
 
 def write_sweep_table(path: str | Path, result: Sweep) -> None:
@@ -73,4 +85,4 @@ def _row(names: tuple[str, ...], problem: Problem, point: SweepPoint, on_front: 
     transport = electrical_cost_of_transport(problem, d, e)
     numbers = [d, e, s.cost, s.trajectory.heading_change, "" if transport is None else transport, on_front]
     gait = s.q.tolist()[: len(names)]
-    return [point.c, "solved", *numbers, *gait, s.iterations, s.seconds, point.chain, point.message]
+    return [point.c, "solved", *numbers, *gait, s.mesh.steps, s.iterations, s.seconds, point.chain, point.message]

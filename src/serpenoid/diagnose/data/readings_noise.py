@@ -24,11 +24,11 @@ BENT = 1e-4  # rad: a small step; drag is linear
 
 def of_shapes(r: Recording, times: Floats, half: float) -> Floats:
     """Covariance (m, B, B) [rad^2] of each joint's means about times (B,) [s], from `half` before to as much after;
-    zero where markers are all that is read: their noise no two trials share."""
-    if not r.by_servos:
+    zero where bends are what markers show: their noise no two trials share."""
+    if r.by_markers.all():
         return np.zeros((r.body.joint_count, len(times), len(times)))
     averaged = np.linspace(times - half, np.minimum(times + half, times[-1]), AVERAGED, axis=1)
-    return r.shape.covariance(averaged)
+    return np.where(r.by_markers[:, None, None], 0.0, r.shape.covariance(averaged))
 
 
 def by_readings(r: Recording, model: Model, times: Floats, known: Floats) -> Floats:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.clocks import Clock
@@ -47,6 +48,7 @@ class Recording:
     goals: whether commands that jump are taken as goals, each run to until the next is given.
     camera (2, 2): what unit vectors look like to a camera that is known to be stretched; shapes that markers help to
     tell are of the body as it is.
+    shown (F, m): bends that markers show [rad] of joints whose readings they refute, NaN elsewhere; None: of no joint.
     """
 
     name: str
@@ -70,6 +72,7 @@ class Recording:
     strays: tuple[tuple[int, float], ...] = ()
     goals: bool = False
     camera: Floats | None = None
+    shown: Floats | None = None
 
     @property
     def held_as_told(self) -> bool | None:
@@ -182,7 +185,9 @@ class Recording:
         corners = np.unique(np.concatenate([begun, begun[:-1] + schedule.cycle_duration_s]))
         apart = spacing(schedule.cycle_duration_s)
         sd, tick = np.full(self.body.joint_count, READING_SD), TICK if self.by_servos else 0.0
-        sources = [Source.of(log_s, self.position, sd, tick).until(self.promised_s)]
+        sources = [Source.of(log_s, self._believed, sd, tick)]
+        sources += [] if self.shown is None else [Source.of(self.time, self.shown, sd)]
+        sources = [s.until(self.promised_s) for s in sources]
         if self.slow:
             read = fitted(sources, corners, max(apart, self.reading_s), carrier=self.carrier)
             shown = self._shown(read)
@@ -191,6 +196,18 @@ class Recording:
             sources += shown
         sources = [s.until(self.promised_s) for s in sources]
         return fitted(sources, corners, apart, self.carrier is not None or not self.by_servos, self.carrier)
+
+    @property
+    def by_markers(self) -> NDArray[np.bool_]:
+        """At which joints (m,) bends are what markers show."""
+        if self.shown is None:
+            return np.full(self.body.joint_count, not self.by_servos)
+        return np.asarray(np.isfinite(self.shown).any(axis=0))
+
+    @property
+    def _believed(self) -> Floats:
+        """Readings (R, m), NaN of joints at which markers are believed."""
+        return self.position if self.shown is None else np.where(self.by_markers, np.nan, self.position)
 
     def _shown(self, read: ShapeInTime) -> list[Source]:
         """Marker angles on the frames, the joints' own zeros taken out, where they are known often enough."""

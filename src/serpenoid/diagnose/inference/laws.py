@@ -88,18 +88,18 @@ def _beside(found: Selection, model: Model, without: Collection[str]) -> Rival |
     fits = (found.null, found.best, alone, _named(found, model, alone))
     own, own_named, its, its_named = misses(found.motion, [(found.motion.tracks, fit) for fit in fits])
     fitted, better = rival.of.title, min(its, its_named) < own_named
+    less = [beyond_chance(a) <= SEARCHED * beyond_chance(b) for a, b in ((its, own), (its_named, own_named))]
     if better:
         by_own = by_its = " with what is named" if found.best.effects else ""
         if by_its and its <= its_named:
             by_its = " alone"
         by = f"{min(its, its_named):.1f} times the noise, {fitted}{by_own} by {own_named:.1f}"
-        words = f"{rival.title}{by_its} misses windows by {by}"
+        words = f"{rival.title}{by_its} misses windows by {by}" + ("" if any(less) else f": {NEITHER}")
     else:
         words = (
             f"alone, {rival.title} misses windows by {its:.1f} times the noise and {fitted} by {own:.1f}; with what is "
             f"named, {title} by {its_named:.1f} and {fitted} by {own_named:.1f}: {NEITHER}"
         )
-    less = [beyond_chance(a) <= SEARCHED * beyond_chance(b) for a, b in ((its, own), (its_named, own_named))]
     said = words if better or its < own else ""
     nearly = beyond_chance(its) < LAW_ERROR * beyond_chance(own)
     return Rival(alone.model, said, min(its, its_named), its, better, better and any(less), nearly)

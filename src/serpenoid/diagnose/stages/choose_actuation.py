@@ -24,6 +24,7 @@ from serpenoid.diagnose.stages.actuation import (
     slopes_of,
 )
 from serpenoid.diagnose.stages.displaced_markers import displaced_marker
+from serpenoid.diagnose.stages.law_by_trial import ByTrial, law_by_trial
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.trials_astray import trials_astray
 from serpenoid.effects.active import ActiveEffect
@@ -80,12 +81,14 @@ def choose_actuation(data: Plays) -> Stage:
             break
     best = Played(data, _refined(data, best.effects))
     best = earned(best, bare, _each_without, lambda found: needed(data, found.effects))
+    earlier = best
     best, refused = lawful(best, lambda found: list(found.effects), _law_error, _without)
     squares = data.structure(best.angles)
     worst, left = int(squares.argmax()), float(np.sqrt(1 + squares.max()))
     every = [_named(best, e) for e in best.effects]
     misses = squares[worst] > VISIBLE**2
-    divided = _divided(best, bare, worst) if misses or any(n.stand_in for n in every) else None
+    doubted = misses or any(n.stand_in for n in every)
+    divided = _divided(best, bare, worst, _by_trial(best, earlier)) if doubted else None
     words: tuple[str, ...] = (_unlike(best, worst, left),) if misses else ()
     words += () if divided is None else (divided.words,)
     words += refused if misses else ()
@@ -95,12 +98,21 @@ def choose_actuation(data: Plays) -> Stage:
     return Stage("actuation", named, rivals, undetected, left, words, divided=divided)
 
 
-def _divided(best: Played, bare: Played, joint: int) -> Divided | None:
+def _by_trial(best: Played, earlier: Played) -> ByTrial | None:
+    """How a law that is refused, or perhaps a stand-in, differs from trial to trial."""
+    kept = {e.key for e in best.effects if _law_error(best, e) <= 0}
+    return law_by_trial(best.data, best.effects, [e for e in earlier.effects if e.key not in kept])
+
+
+def _divided(best: Played, bare: Played, joint: int, law: ByTrial | None) -> Divided | None:
     """Trials in which a joint (0 .. m - 1) strays from what is found of it, or from its command, if that has fewer
-    moments or is as good: a law that acts in some trials alone is spread over all of them."""
+    moments or is as good: a law that acts in some trials alone is spread over all of them. law: one that differs from
+    trial to trial; where it does so steadily, there are no two sides."""
+    if law is not None and law.steady:
+        return Divided(law.words)
     found, told = (trials_astray(best.data, of.angles, joint) for of in (best, bare))
     if told is None or not told.changed:
-        return found
+        return Divided(law.words) if found is None and law is not None else found
     if found is not None and found.changed and (found.changed == told.changed or _fewer_moments(best, found, told)):
         return found
     return replace(told, perhaps=True)

@@ -179,10 +179,12 @@ def _from_trial_to_trial(best: Looked, joint: int) -> Divided | None:
     changes = np.diff(angles[known])
     at = int(np.abs(changes).argmax())
     sides = known[: at + 1], known[at + 1 :]
-    words = (
-        f"joint {joint + 1} is bent by another angle from trial to trial, by {changes[at]:+.3g} rad at "
-        f"`{best.data.names[sides[1][0]]}`: its horn, or a marker beside it, may have slipped"
-    )
+    where, begun = best.data.names[sides[1][0]], f"joint {joint + 1} is bent by another angle from trial to trial"
+    grown = float(changes.sum())
+    if abs(changes[at]) < LAW_ERROR * abs(grown):
+        end = f"`{best.data.names[known[0]]}` to `{best.data.names[known[-1]]}`"
+        return Divided(f"{begun}, by {grown:+.3g} rad in all from {end}: its horn may slip a little in each")
+    words = f"{begun}, by {changes[at]:+.3g} rad at `{where}`: its horn, or a marker beside it, may have slipped"
     before, since = (angles[side] for side in sides)
     widest = max(np.abs(x - x.mean()).max() for x in (before, since))
     if widest > LAW_ERROR * abs(since.mean() - before.mean()):

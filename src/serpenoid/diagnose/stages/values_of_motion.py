@@ -6,14 +6,15 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import stdtrit
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
+from serpenoid.diagnose.data.chance import CONFIDENCE, NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.differing import Differing
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage, interval
-from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted
+from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, of_gaits
 from serpenoid.diagnose.inference.medium import Fit, linearised
 from serpenoid.diagnose.inference.names import seen
 from serpenoid.diagnose.inference.select import Selection
@@ -75,9 +76,12 @@ def deviations(motion: Motion, fit: Fit, hold: bool = True) -> Floats:
 
 
 def ratio_interval(found: Selection, stage: Stage) -> tuple[float, float]:
-    """95 % interval of eps with what is there."""
+    """95 % interval of eps with what is there; where something is left, over what gaits disagree about."""
     fits = fits_of_ratio(found, stage)
-    low, high = zip(*(ratio_ends(found.motion, f) for f in fits), *filter(None, [stage.ratio]), strict=True)
+    every = [ratio_ends(found.motion, f) for f in fits] + [stage.ratio] * (stage.ratio is not None)
+    wrong = not stage.settled and not stage.unlike
+    every += [ends_by_gaits(found.motion, f) for f in fits] if wrong or stage.discrepancy_m > 0 else []
+    low, high = zip(*every, strict=True)
     return min(low), max(high)
 
 
@@ -86,6 +90,18 @@ def fits_of_ratio(found: Selection, stage: Stage) -> list[Fit]:
     no better than with and without them."""
     unsure = not stage.unlike and any(n.stand_in for n in stage.named)
     return [found.settled, found.null] if unsure else [found.settled]
+
+
+def ends_by_gaits(motion: Motion, found: Fit) -> tuple[float, float]:
+    """Where every gait has an error of its own in what drag does (law_doubt.py), whose size G gaits tell as a variance
+    with G - 1 degrees of freedom: Student's t. One gait alone tells nothing of it."""
+    limits = found.model.medium.limits(LEAST_EPS, MOST_EPS)
+    gaits = len(set(motion.labels))
+    if gaits < 2:
+        return limits
+    moved, spread = of_gaits(motion, found, hold=not ratio_at_bound(found.model))
+    half = float(stdtrit(gaits - 1, (1 + CONFIDENCE) / 2) * spread[0])
+    return _clipped(moved[0] - half, *limits), _clipped(moved[0] + half, *limits)
 
 
 def ratio_beside(parts: Differing, settled: Fit) -> tuple[float, float]:

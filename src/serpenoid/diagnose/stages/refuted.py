@@ -1,0 +1,105 @@
+"""Which shapes the motion is judged by where markers refute what servos read.
+
+Where markers show a joint bent otherwise than its servo reads, and no effect of observation says why, one of the two
+is wrong: the reading (a link that bends, a horn that slips) or the marker (it moves on the body). The motion is a
+third witness: the shapes by which the model of what is known misses less of it, eps fitted, are those that it is
+judged by. Where that is what markers show, there is nothing between joint and marker: their zeros and gaps are in it.
+
+Legend: F frames, m joints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.geometry import way
+from serpenoid.diagnose.data.noise import residuals
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording, held_out_labels
+from serpenoid.diagnose.data.tracks import NoPath, tracker
+from serpenoid.diagnose.inference.finding import VISIBLE, Stage
+from serpenoid.diagnose.inference.law_error import LAW_ERROR
+from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.choose_motion import eps_alone
+from serpenoid.diagnose.stages.marker_evidence import shown_otherwise
+from serpenoid.files.store import remembered
+from serpenoid.measure.clock import bridged
+from serpenoid.measure.links import marker_angles
+from serpenoid.wording import listed
+
+GIVES = "look for what gives way between servo and link, as a horn or an elastic part does"
+MOVES = "look for markers there that move on the body"
+
+
+@dataclass(frozen=True)
+class Believed:
+    """Recordings and the observation model that the motion is judged by, and what is said of shapes that are in doubt,
+    empty where none are."""
+
+    recordings: tuple[Recording, ...]
+    seen: Observation
+    words: str = ""
+
+
+def shapes_believed(
+    recordings: Sequence[Recording], seen: Observation, observation: Stage, baseline: Baseline
+) -> Believed:
+    """By readings, or by markers at joints at which these refute the readings: by what misses less of the motion."""
+    read = Believed(tuple(recordings), seen)
+    joints = refuted(observation, recordings[0].body.joint_count)
+    if not joints or any(never_shown(r, joints) for r in recordings):
+        return read
+    shown = by_markers(recordings, seen, joints)
+    by_readings, by_shown = missed(read, baseline), missed(shown, baseline)
+    which = f"joint{'s' if len(joints) > 1 else ''} {listed([str(j + 1) for j in joints])}"
+    off = f"a window is off by {1e3 * by_shown:.3g} mm by what markers show, by {1e3 * by_readings:.3g} mm by readings"
+    if by_readings <= by_shown:
+        clear = by_readings < (1 - LAW_ERROR) * by_shown
+        return replace(read, words=f"motion sides with the readings at {which}: {off}; {MOVES}") if clear else read
+    if by_shown < (1 - LAW_ERROR) * by_readings:
+        return replace(shown, words=f"motion sides with the markers at {which}: {off}; {GIVES}")
+    return replace(shown, words=f"motion is judged by the bend that markers show at {which}: {off}")
+
+
+def refuted(observation: Stage, joints: int) -> list[int]:
+    """Joints (from 0) that are visibly bent otherwise than readings say, beside everything that is named."""
+    squares = np.array(observation.squares[:joints])
+    return [int(j) for j in np.flatnonzero(squares > 1 + VISIBLE**2)] if not observation.settled else []
+
+
+def never_shown(r: Recording, joints: Sequence[int]) -> bool:
+    """Whether markers of one of these joints are never seen together."""
+    return not np.isfinite(marker_angles(r.body, r.markers)[:, list(joints)]).any(axis=0).all()
+
+
+def by_markers(recordings: Sequence[Recording], seen: Observation, joints: Sequence[int]) -> Believed:
+    """Bends of these joints as markers show them: nothing is between the two any more."""
+    zeros, gaps = seen.zeros.copy(), seen.gaps.copy()
+    zeros[list(joints)] = gaps[list(joints)] = 0.0
+    shown = tuple(replace(r, shown=bends(r, seen, joints)) for r in recordings)
+    return Believed(shown, replace(seen, zeros=zeros, gaps=gaps))
+
+
+def bends(r: Recording, seen: Observation, joints: Sequence[int]) -> Floats:
+    """Angles (F, m) [rad] by which markers show these joints bent on each frame: what an observation model says, and
+    what it leaves of the markers' angles, on straight lines while they are hidden; NaN of other joints."""
+    told = seen.angles(r.angles, seen.begun(r.angles, marker_angles(r.body, seen.unstretched(r.markers))))
+    found = np.full(told.shape, np.nan)
+    some = list(joints)
+    found[:, some] = told[:, some] + bridged(r.time, shown_otherwise(r.body, r.markers, told, seen)[:, some])
+    return found
+
+
+@remembered
+def missed(by: Believed, baseline: Baseline) -> float:
+    """RMS [m] of what the model of what is known misses of a window's way, with eps fitted; infinite without a path."""
+    try:
+        motion, fit = eps_alone(tracker(by.recordings, by.seen), held_out_labels(by.recordings), baseline, None)
+    except NoPath:
+        return np.inf
+    squares = np.concatenate(residuals(motion.tracks, fit.predictions)) ** 2
+    return way(by.recordings[0].body, np.nanmean(squares, axis=0))

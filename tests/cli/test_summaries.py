@@ -1,0 +1,113 @@
+"""Summaries say of what a number is: of how many cycles, in which unit, of which mesh, under which limit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from serpenoid.cli.main import main
+
+BODY = "[body]\nvertices = 4\nlength_m = 0.5\n"
+MEDIUM = "[medium]\nanisotropy_ratio = 0.2\n"
+SMALL = "--set", "task.steps=12", "--no-figures"
+
+
+def written(folder: Path, text: str) -> str:
+    """A problem file."""
+    path = folder / "asked.toml"
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def said(capsys: pytest.CaptureFixture[str]) -> dict[str, str]:
+    """Lines of a summary by their first 18 characters."""
+    lines = capsys.readouterr().out.splitlines()
+    return {line[:18].strip(): line[18:] for line in lines}
+
+
+def number(words: str) -> float:
+    """The first word."""
+    return float(words.split()[0])
+
+
+def test_numbers_of_several_cycles_say_so_and_speed_is_per_cycle_and_per_second(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = written(tmp_path, BODY + MEDIUM + "[task]\ncycle_duration_s = 4.0\n")
+    runs = []
+    for cycles in (1, 3):
+        assert (
+            main(
+                ["simulate", asked, *SMALL, "--set", f"task.cycles={cycles}", "--out", str(tmp_path / "out"), "--force"]
+            )
+            == 0
+        )
+        runs.append(said(capsys))
+    one, three = runs
+    assert number(three["dissipation T*E"]) == pytest.approx(3 * number(one["dissipation T*E"]), rel=1e-5)
+    for name in ("displacement", "dissipation T*E", "heading change", "forward part"):
+        assert "in 3 cycles" in three[name]
+        assert "cycle" not in one[name]
+    assert three["mesh"] == f"one cycle: {one['mesh']}"
+    far = number(one["displacement"])
+    told = [float(part.split()[0]) for part in one["speed"].split(", ")]  # m per cycle, body lengths/s, m/s
+    assert told == pytest.approx([0.5 * far, far / 4, 0.5 * far / 4], rel=1e-3)
+    assert main(["show", str(tmp_path / "out")]) == 0
+    shown = said(capsys)
+    assert "in 3 cycles" in shown["displacement"]
+    assert "in 3 cycles" in shown["dissipation T*E"]
+
+
+def test_without_length_and_duration_there_is_no_speed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = written(tmp_path, "[body]\nvertices = 4\n" + MEDIUM)
+    assert main(["simulate", asked, *SMALL, "--out", str(tmp_path / "out")]) == 0
+    assert "speed" not in said(capsys)
+
+
+def test_a_goal_that_is_met_beside_a_coarse_mesh_is_said_to_be_met_with_those_steps(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = written(tmp_path, BODY + MEDIUM + '[[task.demands]]\nkind = "travel"\nleast = 0.01\n')
+    assert main(["simulate", asked, *SMALL, "--out", str(tmp_path / "out")]) == 0
+    out = capsys.readouterr().out
+    assert "the same gait with many steps" in out
+    assert (
+        "goals are met with 12 steps; with many the same gait may miss them by this error: --set task.steps=48" in out
+    )
+
+
+def test_a_speed_limit_that_does_not_hold_is_told_even_where_all_else_is_quiet(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = written(tmp_path, BODY + "joint_speed_limit_rpm = 5\n" + MEDIUM)
+    quiet = ["simulate", asked, *SMALL, "--quiet", "--force", "--out", str(tmp_path / "out")]
+    assert main(quiet) == 0
+    assert "joint_speed_limit_rpm = 5 does not hold: without `cycle_duration_s`" in capsys.readouterr().err
+    assert main([*quiet, "--set", "task.cycle_duration_s=4.0"]) == 0
+    assert "does not hold" not in capsys.readouterr().err
+
+
+def test_of_what_cannot_be_met_together_the_parts_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A body that bends by no more than 10 degrees has no gait of amplitude 12."""
+    limited = BODY.replace("vertices = 4", "vertices = 4\njoint_limit_deg = 10")
+    asked = written(tmp_path, limited + MEDIUM + "[task.bounds]\na = [12.0, 15.0]\n")
+    assert main(["solve", asked, *SMALL, "--starts", "1", "--out", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr().err
+    assert "degrees, its limit is 10; " in said
+    assert "a = 12, a bound" in said
+
+
+@pytest.mark.parametrize("verb", ["simulate", "solve"])
+def test_a_joint_table_that_is_not_there_is_told_with_the_file_and_key_that_name_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], verb: str
+) -> None:
+    asked = written(tmp_path, BODY + MEDIUM + '[gait]\npath = "nope.csv"\n')
+    assert main([verb, asked, "--out", str(tmp_path / "out")]) == 2
+    assert f"{asked}: [gait] path: {tmp_path / 'nope.csv'}: no such file." in capsys.readouterr().err
+
+
+def test_a_parameter_that_is_nothing_has_no_sign() -> None:
+    from serpenoid.gaits import EllipseGait
+
+    assert "x_c 0.0000" in EllipseGait(x_c=-1e-9).words
