@@ -1,6 +1,7 @@
 """What cameras and servos report of a motion: observation effects, then noise, gaps, ticks and clocks.
 
-Order: marker displaced on the body, camera frame drifts, wrong length scale, jumps across gaps, noise, occlusion.
+Order: marker displaced on the body, camera frame drifts, camera stretched, wrong length scale, jumps across gaps,
+noise, occlusion.
 """
 
 from __future__ import annotations
@@ -21,12 +22,13 @@ MARKER_NOISE = 0.2e-3  # m
 class Cameras:
     """Parameters of the observation effects, neutral by default. `moved_marker`: vertex -> (along, left) [m] of the
     edge on its tail side; `moved_ahead`: of that on its head side; `swaying`: vertex -> to the left by the
-    bend [m/rad]."""
+    bend [m/rad]; `stretch`: by which share along x is longer than along y, and 45 degrees than across."""
 
     moved_marker: dict[int, tuple[float, float]] = field(default_factory=dict)
     moved_ahead: dict[int, tuple[float, float]] = field(default_factory=dict)
     swaying: dict[int, float] = field(default_factory=dict)
     scale_error: float = 0.0
+    stretch: tuple[float, float] = (0.0, 0.0)
     clock_rate: float = 0.0
     jump: float = 0.0
     drift: tuple[float, float] = (0.0, 0.0)
@@ -104,7 +106,17 @@ def seen_markers(
     """Noise-free marker positions (F, N, 2)."""
     seen = displaced(cameras, vertices(phi, pose, robot))
     seen += np.maximum(time, 0)[:, None, None] * np.array(cameras.drift)
-    return seen * (1 + cameras.scale_error) + jumps[:, None, :]
+    return stretched(cameras, seen) * (1 + cameras.scale_error) + jumps[:, None, :]
+
+
+def stretched(cameras: Cameras, points: Floats, back: int = 1) -> Floats:
+    """Points (.., 2) as a camera shows them whose axes differ; back: -1 undoes it."""
+    longer, shear = cameras.stretch
+    x, y = points[..., 0], points[..., 1]
+    if back < 0:
+        size = 1 - (longer**2 + shear**2) / 4
+        longer, shear, x, y = -longer, -shear, x / size, y / size
+    return np.stack([x + (longer * x + shear * y) / 2, y + (shear * x - longer * y) / 2], axis=-1)
 
 
 def _gaps(rng: np.random.Generator, time: Floats, count: int, i: Instruments) -> tuple[np.ndarray, np.ndarray]:

@@ -223,6 +223,12 @@ CATALOGUE: dict[str, Kind] = {
     "length_scale": Kind(
         OBSERVATION, GLOBAL, _either("error", 0.001, 0.04), _cameras(scale_error=lambda k, p: p["error"])
     ),
+    "camera_stretch": Kind(
+        OBSERVATION,
+        GLOBAL,
+        _arrow("longer", "shear", 0.001, 0.03),
+        _cameras(stretch=lambda k, p: (p["longer"], p["shear"])),
+    ),
     "clock_offset": Kind(OBSERVATION, GLOBAL, _either("rate", 5e-4, 0.03), _cameras(clock_rate=lambda k, p: p["rate"])),
     "position_jumps": Kind(OBSERVATION, GLOBAL, _one("size", 1e-3, 40e-3), _cameras(jump=lambda k, p: p["size"])),
     "frame_drift": Kind(
@@ -252,7 +258,13 @@ WITHOUT_WHEELS = ("rough_skin",)
 ON_WHEELS = tuple(n for n in CATALOGUE if n not in WITHOUT_WHEELS)
 # Added when keys were in use, one time after the other: a campaign of an earlier key has one of these in few cases, and
 # else what it had.
-NEWER = (("lagging_joint", "slow_joint", "marker_offset_ahead"), ("marker_sway",), ("servo_inertia",), ("servo_delay",))
+NEWER = (
+    ("lagging_joint", "slow_joint", "marker_offset_ahead"),
+    ("marker_sway",),
+    ("servo_inertia",),
+    ("servo_delay",),
+    ("camera_stretch",),
+)
 # Powers of a length that a parameter has: drawn for the ten-servo snake, they grow with the robot.
 LENGTHS: dict[str, dict[str, int]] = {
     "dry_friction": {"crossover_speed": 1},

@@ -27,7 +27,7 @@ LEAST_PROGRESS, TRIES = 0.03, 60  # body lengths a cycle; afterwards the best th
 # What nothing but the difference between a log and the cameras shows.
 NEEDS_A_LOG = (
     "zero_offset", "loose_joint", "clock_offset", "marker_offset", "marker_offset_ahead", "marker_sway",
-    "length_scale",
+    "length_scale", "camera_stretch",
 )  # fmt: skip
 
 

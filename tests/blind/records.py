@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from blind.cameras import displaced, resample
+from blind.cameras import displaced, resample, stretched
 from blind.campaign import Trial
 from blind.catalogue import World
 from blind.motion import Drive
@@ -51,7 +51,7 @@ def fitted_pose(r: Floats, markers: Floats) -> Floats:
 def _corrected(world: World, trial: Trial, r: Floats) -> tuple[Floats, Floats]:
     """Markers with the frame's errors taken out, and shapes with the displaced markers put where they are seen."""
     cameras, film = world.cameras, trial.film
-    markers = (film.markers - film.jumps[:, None, :]) / (1 + cameras.scale_error)
+    markers = stretched(cameras, (film.markers - film.jumps[:, None, :]) / (1 + cameras.scale_error), back=-1)
     markers = markers - np.maximum(film.time, 0)[:, None, None] * np.array(cameras.drift)
     return markers, displaced(cameras, r)
 

@@ -77,11 +77,22 @@ STARTS: dict[str, list[dict[str, float]]] = {
     "marker_offset_ahead": [{"along": 0.0, "left": 0.0}],
     "marker_sway": [{"sway": 0.0}],
     "length_scale": [{"error": 0.0}],
+    "camera_stretch": [{"longer": 0.0, "shear": 0.0}],
     "clock_offset": [{"rate": 0.0}],
     "frame_drift": [{"velocity_x": 0.0, "velocity_y": 0.0}],
 }
 SCALE = {"pull_x": 1e-3, "pull_y": 1e-3, "velocity_x": 1e-3, "velocity_y": 1e-3, "along": 1e-3, "left": 1e-3}
-SCALE |= {"offset": 0.01, "angle": 0.05, "rate": 0.01, "error": 0.01, "loss": 0.2, "width": 1.0, "sway": 1e-3}
+SCALE |= {
+    "offset": 0.01,
+    "angle": 0.05,
+    "rate": 0.01,
+    "error": 0.01,
+    "loss": 0.2,
+    "width": 1.0,
+    "sway": 1e-3,
+    "longer": 0.01,
+    "shear": 0.01,
+}
 
 
 def _bounds(name: str, parameter: str, place: int | None, robot: Robot) -> tuple[float, float]:

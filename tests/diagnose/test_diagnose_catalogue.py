@@ -55,6 +55,7 @@ MARKERS = (
     Effect("marker_offset_ahead", 4, {"along": 4e-3, "left": -5e-3}),
     Effect("marker_sway", 4, {"sway": 6e-3}),
     Effect("length_scale", None, {"error": 0.015}),
+    Effect("camera_stretch", None, {"longer": -0.01, "shear": 0.006}),
 )
 MOTION = (
     Effect("worn_wheel", 8, {"seizure": 0.6}),

@@ -57,10 +57,11 @@ def test_derivatives_of_what_is_seen_are_its_differences() -> None:
     rng = np.random.default_rng(4)
     angles, slopes = rng.uniform(-0.8, 0.8, (9, 3)), rng.choice([-0.5, 0.0, 0.5], (9, 3))
     beside, ahead = rng.uniform(-0.01, 0.01, (7, 2)), rng.uniform(-0.01, 0.01, (3, 2))
-    now = Observation(np.zeros(3), beside, np.zeros(3), ahead, 0.1, np.zeros(4))
+    now = Observation(np.zeros(3), beside, np.zeros(3), ahead, 0.1, np.zeros(4), np.array([0.02, -0.03]))
     columns = [c for name, place in all_keys(body) for c in columns_of(body, name, place)]
-    assert sorted(columns) == list(range(3 + 14 + 1 + 3 + 6 + 4))
-    found = now.derivatives(body, angles, lambda joint: slopes[:, joint], columns)
+    assert sorted(columns) == list(range(3 + 14 + 1 + 3 + 6 + 2 + 4))
+    headings = rng.uniform(-np.pi, np.pi, 9)
+    found = now.derivatives(body, angles, lambda joint: slopes[:, joint], columns, headings)
 
     def moved(column: int, step: float) -> np.ndarray:
         bent = angles.copy()
@@ -68,6 +69,9 @@ def test_derivatives_of_what_is_seen_are_its_differences() -> None:
             bent[:, column] += step
         elif 18 <= column < 21:
             bent[:, column - 18] += step * slopes[:, column - 18]
+        elif 27 <= column < 29:  # it moves markers on the floor, not the chain: as much, the other way
+            there = now.stretched(turn(headings[:, None], now.seen(body, angles)))
+            return -turn(-headings[:, None], now.with_column(column, step).unstretched(there))
         else:
             return now.with_column(column, step).seen(body, angles)
         return now.seen(body, bent)

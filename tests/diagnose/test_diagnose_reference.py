@@ -59,6 +59,20 @@ def test_what_changed_since_the_reference_is_named_and_what_was_so_is_not(tmp_pa
     assert [e["name"] for e in said["reference"]["effects"]] == ["toe"]
 
 
+def test_a_camera_that_was_stretched_then_is_taken_out_and_is_no_news(tmp_path: Path) -> None:
+    """Nothing is left to be fitted on its stage, and clocks are laid beside it all the same."""
+    camera = Effect("camera_stretch", None, {"longer": 0.008, "shear": -0.006})
+    for name, day in (("then", (1,)), ("now", ())):
+        write(make(62, [camera], name, COMBINATIONS[:2], chance=day), tmp_path / name)
+    out = tmp_path / "out"
+    options = ["--reference", str(tmp_path / "then"), "--out", str(out), "--no-figures", "--quiet"]
+    assert main(["diagnose", str(tmp_path / "now"), *options]) == 0
+    said = json.loads((out / "diagnosis.json").read_text())
+    assert said["verdict"] == "nothing"
+    assert [e["name"] for e in said["reference"]["effects"]] == ["camera_stretch"]
+    assert "camera_stretch" in (out / "extended-model.toml").read_text()
+
+
 GRIP = Effect("grip_saturation", None, {"saturation_speed": 0.03})
 SLOPE = Effect("slope", None, {"pull_x": 0.008, "pull_y": 0.005})
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,12 +17,8 @@ from blind.random_protocols import draw_protocol
 from blind.snake import SNAKE10
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.inference.finding import Stage
+from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.stages.choose_observation import choose_observation
-from serpenoid.diagnose.stages.looked import Key, Looked
-from serpenoid.diagnose.stages.marker_evidence import sample
-from serpenoid.diagnose.stages.stretched import Stretch
-from serpenoid.diagnose.stages.told_lengths import OtherAxes, instead_of_effects
 
 RULER = 0.012  # of a length: what it is told wrong by
 COUNT = SNAKE10.vertices
@@ -101,50 +96,64 @@ def test_all_markers_may_be_to_one_side(tmp_path: Path) -> None:
     assert stage.settled, stage.words
 
 
-STRETCH = np.array([[0.006, 0.004], [0.004, -0.002]])
-LONGER = 2 * np.hypot(0.004, 0.004)  # along the longest direction than across, 22.5 degrees from x
+STRETCH = np.array([[0.006, 0.004], [0.004, -0.002]])  # by 2 mm a metre everywhere, by 4 along x, by 4 along 45 degrees
 
 
-def looked(folder: Path, camera: Callable[[np.ndarray], np.ndarray], keys: Sequence[Key] = ()) -> Looked:
-    """What is asked of a campaign without effects that a camera sees so, beside these effects."""
-    made = make(3, [], "short", COMBINATIONS[:2])
-    films = [replace(t.film, markers=camera(t.film.markers)) for t in made.trials]
-    write(replace(made, trials=tuple(replace(t, film=f) for t, f in zip(made.trials, films, strict=True))), folder)
-    recordings = read_recordings(folder)[1]
-    neutral = Observation.neutral(recordings[0].body)
-    found = Looked(sample(recordings), neutral, neutral)
-    for key in keys:
-        found = found.beside(key)
-    return found
+def test_a_stretched_camera_is_no_wrong_links(tmp_path: Path) -> None:
+    stage = seen(tmp_path / "short", [], camera=np.eye(2) + STRETCH)
+    found = {n.effect.name: n for n in stage.named}
+    assert set(found) == {"camera_stretch", "length_scale"}
+    _holds(found["camera_stretch"], longer=0.008 / 1.002, shear=0.008 / 1.002)
+    _holds(found["length_scale"], error=0.002)
+    assert not any(n.stand_in for n in stage.named)
+    assert not stage.rivals
+    assert stage.settled, stage.words
 
 
-@pytest.mark.parametrize("keys", [[], [("length_scale", None), ("marker_offset", 4)]])
-def test_a_stretched_camera_is_no_wrong_links(tmp_path: Path, keys: list[Key]) -> None:
-    found = instead_of_effects(looked(tmp_path / "short", lambda p: p @ (np.eye(2) + STRETCH), keys))
-    assert isinstance(found, OtherAxes)
-    assert found.instead_of == tuple(keys)
-    assert found.stretch.longer == pytest.approx(LONGER, abs=2e-4)
-    assert found.stretch.turned == pytest.approx(22.5, abs=1)
-    assert "Calibrate the camera" in found.remedy
-    assert "`edge_lengths`" not in found.remedy
+def _holds(named: Named, **true: float) -> None:
+    for parameter, value in true.items():
+        low, high = named.intervals[parameter]
+        assert low is not None
+        assert high is not None
+        assert low < value < high
+        assert high - low < 1e-3
 
 
-@pytest.mark.parametrize(("scale", "keys"), [(1.0, []), (1.01, [("length_scale", None)])])
-def test_no_camera_is_stretched_that_sees_all_directions_alike(tmp_path: Path, scale: float, keys: list[Key]) -> None:
-    assert instead_of_effects(looked(tmp_path / "short", lambda p: scale * p, keys)) is None
+def test_an_axis_that_is_too_long_is_told_by_half_a_scale_beside_it(tmp_path: Path) -> None:
+    stage = seen(tmp_path / "short", [], protocol=draw_protocol(29), camera=np.diag([1.01, 1.0]))
+    found = {n.effect.name: n.effect.parameters for n in stage.named}
+    assert set(found) == {"camera_stretch", "length_scale"}
+    assert found["camera_stretch"]["longer"] == pytest.approx(0.01, abs=5e-4)
+    assert found["length_scale"]["error"] == pytest.approx(0.005, abs=5e-4)
+    assert stage.settled, stage.words
+
+
+def test_no_camera_is_stretched_that_sees_all_directions_alike(tmp_path: Path) -> None:
+    stage = seen(tmp_path / "short", [], camera=1.01 * np.eye(2))
+    assert [n.effect.name for n in stage.named] == ["length_scale"]
 
 
 def test_perspective_is_no_stretched_camera(tmp_path: Path) -> None:
     """What a stretch takes away of it is less than what it leaves."""
-    assert instead_of_effects(looked(tmp_path / "short", lambda p: p * (1 + 0.1 * p[..., 1:]))) is None
-
-
-def test_beside_a_stretched_camera_names_are_stand_ins(tmp_path: Path) -> None:
-    stage = seen(tmp_path / "short", [], protocol=draw_protocol(29), camera=np.diag([1.02, 1.01]))
-    assert stage.named
-    assert all(n.stand_in for n in stage.named)
-    assert "longer along x than along y" in stage.mend
+    made = make(3, [], "short", COMBINATIONS[:2])
+    films = [replace(t.film, markers=t.film.markers * (1 + 0.1 * t.film.markers[..., 1:])) for t in made.trials]
+    write(replace(made, trials=tuple(replace(t, film=f) for t, f in zip(made.trials, films, strict=True))), tmp_path)
+    recordings = read_recordings(tmp_path)[1]
+    stage, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
+    assert not any(n.effect.effect.marks == "axes" and not n.stand_in for n in stage.named)
     assert not stage.settled
+
+
+def test_a_stretched_camera_and_a_wrong_link_are_told_as_both(tmp_path: Path) -> None:
+    off = np.where(np.arange(len(SNAKE10.edges)) == 2, 1.03, 1.0)
+    stage = seen(tmp_path / "short", [], SNAKE10.edges * off, camera=np.diag([1.01, 1.0]))
+    sure = {n.effect.name: n for n in stage.named if not n.stand_in}
+    assert set(sure) == {"camera_stretch", "length_scale"}
+    _holds(sure["camera_stretch"], longer=0.01 / 1.005, shear=0.0)
+    _holds(sure["length_scale"], error=0.005)
+    told = re.findall(r"entry (\d+) is [\d.]+ mm, not [\d.]+ \(([-+][\d.]+) %\)", stage.mend)
+    assert told == [("3", "-2.9")], stage.mend
+    assert "the others are as told" in stage.mend
 
 
 @pytest.mark.parametrize("middles", [False, True])
@@ -157,15 +166,3 @@ def test_the_one_edge_that_differs_is_told_of_those_that_are_written(tmp_path: P
     assert [k for k, _ in told] == ["3"], stage.mend
     assert float(told[0][1]) == pytest.approx(100 / 1.03 - 100, abs=0.1)
     assert "the others are as told" in stage.mend
-
-
-@pytest.mark.parametrize(
-    ("numbers", "words"),
-    [
-        ((0.004, 0.005, 0.0), "1.00 % (95 %: 0.96 .. 1.04) longer along x than along y"),
-        ((0.0, -0.005, 0.0), "1.00 % (95 %: 0.96 .. 1.04) longer along y than along x"),
-        ((0.0, 0.0, 0.005), "1.00 % (95 %: 0.96 .. 1.04) longer at 45 degrees from x towards y than across"),
-    ],
-)
-def test_a_stretch_is_told_in_words(numbers: tuple[float, ...], words: str) -> None:
-    assert Stretch(np.array(numbers), np.array([1e-4, 1e-4])).words == words

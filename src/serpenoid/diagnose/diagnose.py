@@ -14,6 +14,7 @@ from serpenoid.diagnose.data.noise import over_markers
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_error, total
 from serpenoid.diagnose.data.recording import Recording, held_out_by
+from serpenoid.diagnose.data.relaid import bent_by
 from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.tracked import TrackedRecording
 from serpenoid.diagnose.data.used import length_unit, parameter_unit, remarks, used
@@ -164,14 +165,16 @@ def _seen(recordings: Sequence[Recording], baseline: Baseline) -> tuple[Stage, O
 
 def _by_clocks(recordings: Sequence[Recording], baseline: Baseline) -> tuple[Stage, Observation, tuple[Recording, ...]]:
     """The same, from these clocks on."""
-    every = set(all_keys(recordings[0].body))
+    every, known = set(all_keys(recordings[0].body)), baseline.observation()
+    recordings, _ = bent_by(recordings, known)
     for _ in range(RELAID):
-        stage, seen = choose_observation(recordings, baseline.observation(), baseline.without, baseline.squares)
+        stage, seen = choose_observation(recordings, known, baseline.without, baseline.squares)
         if not seen.corrects:
             break
         keys = [n.effect.key for n in (*stage.named, *stage.undetected) if n.effect.key in every]
-        again, moved = laid_beside(recordings, baseline.observation(), keys)
-        if not moved:
+        again, moved = laid_beside(recordings, known, keys)
+        again, bent = bent_by(again, seen)
+        if not (moved or bent):
             break
         recordings = again
     return stage, seen, tuple(recordings)

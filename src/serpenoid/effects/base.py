@@ -23,7 +23,7 @@ from serpenoid.effects.view import View
 from serpenoid.media import LAWS, Law
 
 Site = Literal["actuation", "medium", "observation"]
-Marks = Literal["zeros", "gaps", "markers", "ahead", "scale", "rate", "frame", "jumps"]
+Marks = Literal["zeros", "gaps", "markers", "ahead", "scale", "axes", "rate", "frame", "jumps"]
 Values = Mapping[str, float]
 Symbols = SimpleNamespace
 USES = ("simulate", "nlp", "fit", "diagnose")
@@ -105,9 +105,9 @@ class Effect:
     same. reasons: for each use (simulate, nlp, fit, diagnose) that does not apply, why not. rank: in what order
     contributions are applied where it matters. marks: which numbers between the servos' chain and the data are its own:
     the joints' `zeros`, their `gaps`, where `markers` sit on the links behind them or on those `ahead`, the `scale`,
-    the clock's `rate`, how the `frame` moves that positions are seen in, its `jumps` across gaps; None: none, it
-    changes how the body moves. scan: how a diagnosis looks for it where it lies somewhere on the floor; None: by
-    derivatives about its neutral values.
+    how the camera's `axes` differ, the clock's `rate`, how the `frame` moves that positions are seen in, its `jumps`
+    across gaps; None: none, it changes how the body moves. scan: how a diagnosis looks for it where it lies somewhere
+    on the floor; None: by derivatives about its neutral values.
     """
 
     name: str

@@ -6,14 +6,15 @@ Legend: N vertices, m joints.
 from __future__ import annotations
 
 from serpenoid.body import Body
-from serpenoid.diagnose.data import views
+from serpenoid.diagnose.data import axes, views
 from serpenoid.effects.base import Marks
 from serpenoid.effects.catalogue import catalogue, find, places, view_effects
 
 
 def sizes(joints: int, vertices: int) -> dict[Marks, int]:
     """How many numbers there are of each kind, in their order; those of the views come last."""
-    return {"zeros": joints, "markers": 2 * vertices, "scale": 1, "gaps": joints, "ahead": 2 * joints}
+    own = len(axes.resting())
+    return {"zeros": joints, "markers": 2 * vertices, "scale": 1, "gaps": joints, "ahead": 2 * joints, "axes": own}
 
 
 def first_columns(body: Body) -> dict[Marks | None, int]:

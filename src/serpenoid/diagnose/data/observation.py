@@ -1,4 +1,5 @@
-"""Second stage, the model: where markers appear when zeros, play, displaced markers or a length scale lie in between.
+"""Second stage, the model: where markers appear when zeros, play, displaced markers, a length scale or axes of a camera
+lie in between.
 
 Legend: F frames, N vertices, m joints, C columns.
 """
@@ -11,9 +12,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.data import views
+from serpenoid.diagnose.data import axes, views
 from serpenoid.diagnose.data.columns import all_keys, columns_of, first_columns, sizes
-from serpenoid.diagnose.data.geometry import shapes
+from serpenoid.diagnose.data.geometry import shapes, turn
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.links import link_of_edge
 
@@ -27,7 +28,8 @@ class Observation:
 
     zeros (m,) [rad], markers (N, 2) along and left of the links behind them [m], gaps (m,) of joints with play [rad],
     ahead (m, 2): as markers, of those at joints that ride on the links ahead; scale error; views (V,): coordinates of
-    effects of observation that have none of these marks, and show what their own law (`on_view`) says.
+    effects of observation that have none of these marks, and show what their own law (`on_view`) says. axes (A,): how
+    distances depend on their direction on the floor; no chain shows it, so markers are mended instead (`unstretched`).
     """
 
     zeros: Floats
@@ -36,6 +38,7 @@ class Observation:
     ahead: Floats
     scale: float = 0.0
     views: Floats = field(default_factory=lambda: np.zeros(0))
+    axes: Floats = field(default_factory=axes.resting)
 
     @classmethod
     def neutral(cls, body: Body) -> Observation:
@@ -60,9 +63,17 @@ class Observation:
 
     @property
     def numbers(self) -> Floats:
-        """One for each column: zeros, markers (along, left by vertex), scale, gaps, markers ahead, views."""
-        parts = self.zeros, self.markers.ravel(), [self.scale], self.gaps, self.ahead.ravel(), self.views
+        """One for each column: zeros, markers (along, left by vertex), scale, gaps, markers ahead, axes, views."""
+        parts = self.zeros, self.markers.ravel(), [self.scale], self.gaps, self.ahead.ravel(), self.axes, self.views
         return np.concatenate(parts)
+
+    def unstretched(self, markers: Floats) -> Floats:
+        """Markers (.., 2) as a camera would show them for which all directions are alike."""
+        return markers @ np.linalg.inv(axes.map_of(self.axes)) if self.axes.any() else markers
+
+    def stretched(self, points: Floats) -> Floats:
+        """Points (.., 2) on the floor as this camera shows them."""
+        return points @ axes.map_of(self.axes) if self.axes.any() else points
 
     def with_middles(self) -> Observation:
         """The same of a body with vertices in the middles of its edges: see `Body`."""
@@ -93,13 +104,19 @@ class Observation:
         return views.seen(body, markers, points, self.views) * (1 + self.scale)
 
     def derivatives(
-        self, body: Body, angles: Floats, by_gap: Callable[[int], Floats], columns: Sequence[int]
+        self,
+        body: Body,
+        angles: Floats,
+        by_gap: Callable[[int], Floats],
+        columns: Sequence[int],
+        headings: Floats,
     ) -> Floats:
-        """Of `seen` by the given columns (C, F, N, 2); by_gap: of a joint's angle (F,) by its gap."""
+        """Of `seen` by the given columns (C, F, N, 2); by_gap: of a joint's angle (F,) by its gap; headings (F,): of
+        the bodies on the floor, where markers that are not mended by a column move against the chain as much."""
         m, n = body.joint_count, body.vertices
         points = shapes(body, angles)
         along, left = directions(points)
-        gaps, ahead, others = (first_columns(body)[mark] for mark in ("gaps", "ahead", None))
+        gaps, ahead, directed, others = (first_columns(body)[mark] for mark in ("gaps", "ahead", "axes", None))
         bent = self._by_angles(body, left, along, {c % gaps for c in columns if c < m or gaps <= c < ahead})
         found = np.zeros((len(columns), len(angles), n, 2))
         for slot, column in enumerate(columns):
@@ -113,14 +130,21 @@ class Observation:
             elif column < ahead:
                 joint = column - gaps
                 found[slot] = by_gap(joint)[:, None, None] * bent[joint]
-            elif column < others:
+            elif column < directed:
                 joint, side = divmod(column - ahead, 2)
                 vertex = body.joint_vertices[joint]
                 found[slot, :, vertex] = (along, left)[side][:, vertex + 1]
+            elif column < others:
+                found[slot] = self._longer(self._displaced(body, points, along, left), headings, column - directed)
             else:
                 found[slot] = views.derivative(body, points, column - others)
         found *= 1 + self.scale
         return found
+
+    def _longer(self, there: Floats, headings: Floats, number: int) -> Floats:
+        """By what markers (F, N, 2) in the body frame are farther apart with one number of the axes."""
+        more = axes.slope(self.axes, number) @ np.linalg.inv(axes.map_of(self.axes))
+        return turn(-headings[:, None], turn(headings[:, None], there) @ more)
 
     def _displaced(self, body: Body, points: Floats, along: Floats, left: Floats) -> Floats:
         """Markers about the vertices (F, N, 2), before the scale."""
@@ -155,9 +179,9 @@ class Observation:
         numbers = self.numbers
         numbers[column] += amount
         m, n = len(self.zeros), len(self.markers)
-        zeros, markers, scale, gaps, ahead, others = np.split(numbers, np.cumsum(list(sizes(m, n).values())))
+        zeros, markers, scale, gaps, ahead, directed, others = np.split(numbers, np.cumsum(list(sizes(m, n).values())))
         return Observation(
-            zeros, markers.reshape(n, 2), np.maximum(gaps, 0.0), ahead.reshape(m, 2), float(scale[0]), others
+            zeros, markers.reshape(n, 2), np.maximum(gaps, 0.0), ahead.reshape(m, 2), float(scale[0]), others, directed
         )
 
 

@@ -46,6 +46,8 @@ class Recording:
     the campaign promises of a cycle's duration, where that is another.
     strays: vertices whose markers were off in a single frame, and by how much [m]: they count as hidden.
     goals: whether commands that jump are taken as goals, each run to until the next is given.
+    camera (2, 2): what unit vectors look like to a camera that is known to be stretched; shapes that markers help to
+    tell are of the body as it is.
     shown (F, m): bends that markers show [rad] of joints whose readings they refute, NaN elsewhere; None: of no joint.
     """
 
@@ -69,6 +71,7 @@ class Recording:
     asked_cycle_s: float | None = None
     strays: tuple[tuple[int, float], ...] = ()
     goals: bool = False
+    camera: Floats | None = None
     shown: Floats | None = None
 
     @property
@@ -162,6 +165,16 @@ class Recording:
         return np.where(time < 0, -1, 2 * cycle + pause).astype(int)
 
     @cached_property
+    def reading_s(self) -> float:
+        """Median time between readings."""
+        return float(np.median(np.diff(self.read_at)))
+
+    @property
+    def slow(self) -> bool:
+        """Whether readings are too far apart to tell shapes alone."""
+        return self.by_servos and spacing(self.schedule.cycle_duration_s) < PER_KNOT * self.reading_s
+
+    @cached_property
     def shape(self) -> ShapeInTime:
         """Joint angles in time, as servos read them; with what the markers show where the log is slow.
 
@@ -175,9 +188,8 @@ class Recording:
         sources = [Source.of(log_s, self._believed, sd, tick)]
         sources += [] if self.shown is None else [Source.of(self.time, self.shown, sd)]
         sources = [s.until(self.promised_s) for s in sources]
-        slow = float(np.median(np.diff(log_s)))
-        if self.by_servos and apart < PER_KNOT * slow:
-            read = fitted(sources, corners, max(apart, slow), carrier=self.carrier)
+        if self.slow:
+            read = fitted(sources, corners, max(apart, self.reading_s), carrier=self.carrier)
             shown = self._shown(read)
             if not shown:
                 return read
@@ -199,7 +211,8 @@ class Recording:
 
     def _shown(self, read: ShapeInTime) -> list[Source]:
         """Marker angles on the frames, the joints' own zeros taken out, where they are known often enough."""
-        shown = marker_angles(self.body, self.markers)
+        markers = self.markers if self.camera is None else self.markers @ np.linalg.inv(self.camera)
+        shown = marker_angles(self.body, markers)
         miss = shown - read.at(self.time)
         if not np.isfinite(miss).sum(axis=0).all():
             return []

@@ -1,4 +1,5 @@
-"""Clocks laid over each other again, once it is known what lies between servos and markers.
+"""Clocks laid over each other again, and shapes by the markers of a stretched camera, once it is known what lies
+between servos and markers.
 
 At first joints are taken to bend as servos read (clocks.py). Play behind a servo is late in every cycle, and a
 displaced marker shows a part of its neighbours' bends: either draws the clock of its trial aside by some milliseconds,
@@ -10,11 +11,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
+from serpenoid.diagnose.data.axes import map_of
 from serpenoid.diagnose.data.laid import Laid
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.measure.links import bends, marker_angles
 from serpenoid.measure.servo_alignment import seen_corners
+
+SAME = 3e-5  # of a length: what a scale is told to at best (`resolution` of its effects)
+
+
+def bent_by(recordings: Sequence[Recording], seen: Observation) -> tuple[tuple[Recording, ...], bool]:
+    """Recordings whose shapes, where logs are slow and markers tell the rest, are of the body as it is; whether `seen`
+    has another camera than they were by."""
+    camera = map_of(seen.axes)
+    before = [np.eye(2) if r.camera is None else r.camera for r in recordings if r.slow]
+    if all(np.abs(camera - known).max() < SAME for known in before):
+        return tuple(recordings), False
+    return tuple(replace(r, camera=camera) if r.slow else r for r in recordings), True
 
 
 def relaid(recordings: Sequence[Recording], seen: Observation) -> tuple[tuple[Recording, ...], bool]:
@@ -27,9 +43,10 @@ def relaid(recordings: Sequence[Recording], seen: Observation) -> tuple[tuple[Re
 
 def _late(r: Recording, seen: Observation) -> tuple[float, float]:
     """By how much later than its times say a trial was filmed [s], and the standard deviation."""
-    corners = seen_corners(r.body, r.markers)
-    begun = seen.begun(r.angles, marker_angles(r.body, r.markers))
+    markers = seen.unstretched(r.markers)
+    corners = seen_corners(r.body, markers)
+    begun = seen.begun(r.angles, marker_angles(r.body, markers))
     shown = seen.seen(r.body, seen.angles(r.angles, begun))
-    laid = Laid.by(r.time, r.time, bends(r.markers[:, corners]), r.time, bends(shown[:, corners]), None)
+    laid = Laid.by(r.time, r.time, bends(markers[:, corners]), r.time, bends(shown[:, corners]), None)
     step, sd = laid.step()
     return float(step[0]), float(sd[0])

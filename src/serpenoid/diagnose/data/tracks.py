@@ -59,10 +59,11 @@ class Shown:
     def of(cls, r: Recording, seen: Observation) -> Shown:
         """With the observation model's corrections applied."""
         mesh = mesh_of(r)
-        begun = seen.begun(r.angles, marker_angles(r.body, r.markers))
+        markers = seen.unstretched(r.markers)
+        begun = seen.begun(r.angles, marker_angles(r.body, markers))
         vertices = shapes(r.body, seen.angles(r.angles_at(mesh.time), begun))
         frame_angles = seen.angles(r.angles, begun)
-        frame_poses, _ = register(seen.seen(r.body, frame_angles), r.markers)
+        frame_poses, _ = register(seen.seen(r.body, frame_angles), markers)
         poses = _mapped_poses(r, seen, frame_angles, frame_poses)
         return cls(mesh, vertices, poses, of_shapes(r, mesh.time[mesh.bounds], half_average(r)))
 

@@ -63,7 +63,7 @@ def off_in_windows(r: Recording, model: Model, times: Floats, seen: Observation,
 
 def _about(r: Recording, seen: Observation, times: Floats) -> Floats:
     """By how much markers show channels otherwise about times (B, C), on average; 0 where they are hidden."""
-    angles = seen.angles(r.angles, seen.begun(r.angles, marker_angles(r.body, r.markers)))
+    angles = seen.angles(r.angles, seen.begun(r.angles, marker_angles(r.body, seen.unstretched(r.markers))))
     left = shown_otherwise(r.body, r.markers, angles, seen)
     known = np.isfinite(left)
     sums, counts = (np.cumsum(np.pad(x, ((1, 0), (0, 0))), axis=0) for x in (np.where(known, left, 0.0), known))

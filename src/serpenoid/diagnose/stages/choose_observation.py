@@ -1,5 +1,5 @@
 """Which effects the markers show and the servos do not: zeros, play, markers that are displaced or sway, length scale,
-clock rate."""
+axes of a camera, clock rate."""
 
 from __future__ import annotations
 
@@ -48,17 +48,18 @@ def choose_observation(
     without: effects that are no candidates. before: what a reference left, which is no news (`Stage.squares`).
     """
     bare = best = Looked(sample(recordings), now, now, without=frozenset(without))
-    while (found := _next(best)) is not None:
-        best = found
-        if best.strength(best.keys[-1]) < VISIBLE:
+    while (more := _next(best)) is not None:
+        best = more
+        if best.size > 1 and best.strength(best.keys[-1]) < VISIBLE:  # the first may be the lesser part of one cause
             break
-    best = earned(best, bare, Looked.each_without, lambda f: np.inf if outweighed(bare.priced, f.priced) else f.needed)
+    best = earned(best, bare, Looked.each_without, lambda f: np.inf if _another(bare, f) else f.needed)
     best = _beside_play(best, before)
     best, refused = lawful(best, lambda f: [effect_of(f, k) for k in f.keys], _law_error, Looked.without_one)
     beyond = _beyond_bounds(best)
     other = instead_of_effects(best)
-    instead = () if other is None else other.instead_of
-    every = [_named(best, key, stand_in=key in instead) for key in best.keys if key not in beyond]
+    kept = best.keys if other is None else other.beside.keys
+    fits = [(best if other is None or key not in kept else other.beside, key) for key in best.keys]
+    every = [_named(fit, key, stand_in=key not in kept) for fit, key in fits if key not in beyond]
     clock = _clock(recordings, best)
     every += [] if clock is None else [clock]
     nameless = [n for n in every if n.strength >= VISIBLE and n.may_change_nothing]
@@ -67,13 +68,23 @@ def choose_observation(
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     left, words, squares, new, divided = _left_over(best, before)
-    mend = other if any(n.stand_in for n in named) or (other is not None and other.told_alone and not before) else None
-    words += (mend.words,) if mend is not None and mend.visible else ()
+    mend = other if any(n.stand_in for n in named) else None
+    words += () if mend is None else (mend.words,)
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
     words = (*words, *beyond.values(), *unknown, *(RIDES.format(vertex=k) for k in torn), *refused)
     first = "" if mend is None else mend.remedy
     said = Stage("observation", named, rivals, undetected, left, words, squares=squares, news=new, mend=first)
     return replace(said, divided=divided), best.now
+
+
+def _another(bare: Looked, best: Looked) -> bool:
+    """Whether what is left is an error of another kind: more than is taken away, and of what the whole body shares also
+    more of what lasts from frame to frame. Readings that are rounded leave much that does not."""
+    if not outweighed(bare.priced, best.priced):
+        return False
+    lasts = structure(best.data, best.now).sum()
+    done = sum(float((best.signature(k)[:-1] ** 2).sum()) for k in best.keys)  # as `structure`, paths apart
+    return any(place is not None for _, place in best.keys) or bool(lasts >= done)
 
 
 def _torn(named: Sequence[Named]) -> tuple[tuple[Named, ...], list[int]]:

@@ -113,7 +113,7 @@ def observation_step(recordings: Sequence[Recording], seen: Observation) -> Step
     ever = data.seen.any(axis=(0, 2))
     sizes = []
     for now in (Observation.neutral(data.body), seen):
-        _, left = register(now.seen(data.body, data.angles(now)), data.markers)
+        _, left = register(now.seen(data.body, data.angles(now)), now.unstretched(data.markers))
         freedom = 1 - 3 / np.isfinite(left).sum(axis=(1, 2)).mean()  # three numbers of each frame are fitted
         sizes.append(np.sqrt(np.nanmean(left[:, ever] ** 2, axis=(0, 2)) / freedom))
     parts = [

@@ -88,7 +88,7 @@ class Looked:
         """One less, the others fitted again."""
         kept = tuple(k for i, k in enumerate(self.keys) if i != index)
         now = self._cleared(self.keys[index])
-        return replace(self, now=solved(self.data, now, kept) if kept else now, keys=kept)
+        return replace(self, now=solved(self.data, now, kept), keys=kept)
 
     def each_without(self) -> list[Looked | None]:
         """One less, each in turn; None of one that to first order takes away far more than is needed."""
@@ -115,7 +115,11 @@ class Looked:
 
     def strength(self, key: Key) -> float:
         """The worst channel's RMS of one effect alone, over the noise level."""
-        return float(signature(self.data, only(self.data.body, self.now, key)).max())
+        return float(self.signature(key).max())
+
+    def signature(self, key: Key) -> Floats:
+        """Of all channels."""
+        return signature(self.data, only(self.data.body, self.now, key))
 
 
 def effect_of(found: Looked, key: Key) -> ActiveEffect:
@@ -142,7 +146,7 @@ def solved(
     """Gauss-Newton in the numbers of the given effects, until a step gains next to nothing; begun: evidence of all
     columns about the model with which it begins."""
     columns = [c for k in keys for c in columns_of(data.body, *k)]
-    for i in range(rounds):
+    for i in range(rounds if columns else 0):
         sums = begun.of_columns(columns) if begun is not None and not i else evidence(data, now, columns)
         step, _ = sums.solve(range(len(columns)))
         for column, amount in zip(columns, step, strict=True):

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.special import ndtri
@@ -20,7 +20,7 @@ from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data import chance
 from serpenoid.diagnose.data.chance import ERROR
 from serpenoid.diagnose.data.columns import column_count
-from serpenoid.diagnose.data.geometry import LEAST_MARKERS, register, turn
+from serpenoid.diagnose.data.geometry import LEAST_MARKERS, placed, register, turn
 from serpenoid.diagnose.data.observation import Observation, across, lying
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.evidence import Evidence
@@ -158,8 +158,9 @@ def left_over(data: Sample, now: Observation) -> Floats:
 def misfit_beside(data: Sample, now: Observation, joints: Sequence[int]) -> float:
     """The same where the angles of these joints are free in every frame."""
     angles = data.angles(now)
-    base, rows = _left_by(data, now, angles)
-    bends = now.derivatives(data.body, angles, lambda joint: data.by_gap(now, joint), joints)  # a zero's column: bends
+    base, rows, headings = _left_by(data, now, angles)
+    by_gap = partial(data.by_gap, now)
+    bends = now.derivatives(data.body, angles, by_gap, joints, headings)  # a zero's column: bends
     turned = np.where(data.seen, bends, 0.0).reshape(len(joints), *rows.shape)
     free = np.concatenate([np.swapaxes(_rigid(base, data.seen), 1, 2), np.moveaxis(turned, 0, -1)], axis=2)
     taken = np.swapaxes(np.linalg.qr(free)[0], 1, 2) @ rows[..., None]
@@ -171,8 +172,8 @@ def evidence(data: Sample, now: Observation, columns: Sequence[int] | None = Non
     body, seen = data.body, data.seen
     chosen = range(column_count(body)) if columns is None else columns
     angles = data.angles(now)
-    base, rows = _left_by(data, now, angles)
-    slopes = now.derivatives(body, angles, lambda joint: data.by_gap(now, joint), chosen)
+    base, rows, headings = _left_by(data, now, angles)
+    slopes = now.derivatives(body, angles, partial(data.by_gap, now), chosen, headings)
     slopes *= seen / data.noise
     flat = slopes.reshape(len(chosen), *rows.shape)
     rigid = np.moveaxis(flat, 0, 1) @ np.swapaxes(_rigid(base, seen), 1, 2)  # (F, C, 3): taken away, frame by frame
@@ -212,7 +213,7 @@ def _channels(data: Sample, now: Observation) -> Floats:
 def shown_otherwise(body: Body, markers: Floats, angles: Floats, now: Observation) -> Floats:
     """Joint angles [rad] and edges [m] that markers (F, N, 2) show, less those of an observation model (F, m + N - 1);
     angles: the true ones."""
-    seen = now.seen(body, angles)
+    seen, markers = now.seen(body, angles), now.unstretched(markers)
     angle = np.mod(marker_angles(body, markers) - marker_angles(body, seen) + np.pi, 2 * np.pi) - np.pi
     length = np.linalg.norm(np.diff(markers, axis=1), axis=2) - np.linalg.norm(np.diff(seen, axis=1), axis=2)
     return np.asarray(np.concatenate([angle, length], axis=1))
@@ -225,8 +226,8 @@ def along(data: Sample, now: Observation, columns: Sequence[int], amounts: Float
     As of `structure`, white noise is not in it, nor what chance alone makes of it.
     """
     angles = data.angles(now)
-    base, rows = _left_by(data, now, angles)
-    slopes = now.derivatives(data.body, angles, lambda joint: data.by_gap(now, joint), columns) * data.seen
+    base, rows, headings = _left_by(data, now, angles)
+    slopes = now.derivatives(data.body, angles, partial(data.by_gap, now), columns, headings) * data.seen
     moved = np.tensordot(amounts, slopes, axes=1).reshape(rows.shape) / data.noise
     rigid = _rigid(base, data.seen)
     moved -= ((rigid @ moved[..., None]) * rigid).sum(axis=1)
@@ -238,12 +239,13 @@ def along(data: Sample, now: Observation, columns: Sequence[int], amounts: Float
     return max(left, 0.0), float((far**2).mean())
 
 
-def _left_by(data: Sample, now: Observation, angles: Floats) -> tuple[Floats, Floats]:
-    """Chains (F, N, 2) in the body frame, and what they leave of the markers there (F, 2 N), in units of noise."""
+def _left_by(data: Sample, now: Observation, angles: Floats) -> tuple[Floats, Floats, Floats]:
+    """Chains (F, N, 2) in the body frame, what they leave of the markers there (F, 2 N), in units of noise, and their
+    headings on the floor (F,)."""
     base = now.seen(data.body, angles)
-    pose, left = register(base, data.markers)
+    pose, left = register(base, now.unstretched(data.markers))
     residual = np.where(data.seen, turn(-pose[:, None, 2], np.where(data.seen, left, 0.0)), 0.0)
-    return base, residual.reshape(len(base), -1) / data.noise
+    return base, residual.reshape(len(base), -1) / data.noise, pose[:, 2]
 
 
 def _rigid(points: Floats, seen: np.ndarray) -> Floats:
@@ -259,8 +261,19 @@ def _rigid(points: Floats, seen: np.ndarray) -> Floats:
 
 
 def signature(data: Sample, effect: Observation) -> Floats:
-    """RMS of what an observation model changes: marker angles over readings and link lengths, over noise (2 m + 1,)."""
-    return np.sqrt((_shown(data, effect) ** 2).mean(axis=0))
+    """RMS of what an observation model changes over noise (m + N,): marker angles over readings, link lengths, and by
+    its axes the paths of trials."""
+    return np.append(np.sqrt((_shown(data, effect) ** 2).mean(axis=0)), _along_paths(data, effect))
+
+
+def _along_paths(data: Sample, effect: Observation) -> float:
+    """RMS over trials of what axes make of the way from the first frame to the last, over the noise of its ends."""
+    frames = np.array([len(taken) for *_, taken in data.trials])
+    last = np.cumsum(frames)[frames > 0] - 1
+    middle = np.nanmean(data.markers, axis=1)
+    ways = middle[last] - middle[last - frames[frames > 0] + 1]
+    longer, level = effect.stretched(ways) - ways, data.levels[-1] / np.sqrt(data.body.vertices)
+    return float(np.sqrt((longer**2).sum(axis=1).mean()) / level)
 
 
 def apart(data: Sample, one: Observation, other: Observation) -> float:
@@ -272,7 +285,9 @@ def _shown(data: Sample, effect: Observation) -> Floats:
     """Marker angles minus readings, and link lengths minus known ones, over the noise level (F, 2 m + 1)."""
     body = data.body
     seen = effect.seen(body, data.angles(effect))
-    angle = marker_angles(body, seen) - data.readings
+    if effect.axes.any():
+        seen = effect.stretched(placed(seen, register(seen, effect.unstretched(data.markers))[0]))
+    angle = np.mod(marker_angles(body, seen) - data.readings + np.pi, 2 * np.pi) - np.pi
     length = np.linalg.norm(np.diff(seen, axis=1), axis=2) - body.edges_m
     return np.asarray(np.concatenate([angle, length], axis=1) / data.levels)
 

@@ -87,7 +87,7 @@ def by_markers(recordings: Sequence[Recording], seen: Observation, joints: Seque
 def bends(r: Recording, seen: Observation, joints: Sequence[int]) -> Floats:
     """Angles (F, m) [rad] by which markers show these joints bent on each frame: what an observation model says, and
     what it leaves of the markers' angles, on straight lines while they are hidden; NaN of other joints."""
-    told = seen.angles(r.angles, seen.begun(r.angles, marker_angles(r.body, r.markers)))
+    told = seen.angles(r.angles, seen.begun(r.angles, marker_angles(r.body, seen.unstretched(r.markers))))
     found = np.full(told.shape, np.nan)
     some = list(joints)
     found[:, some] = told[:, some] + bridged(r.time, shown_otherwise(r.body, r.markers, told, seen)[:, some])
