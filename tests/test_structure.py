@@ -143,7 +143,9 @@ def test_no_law_is_asked_for_by_name() -> None:
     """What others must know of a law stands in its own file, so that one more file is one more law."""
     for path in FILES:
         if room(module(path)) != "media":
-            texts = {n.value for n in ast.walk(parsed(path)) if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+            texts = {
+                n.value for n in ast.walk(parsed(path)) if isinstance(n, ast.Constant) and isinstance(n.value, str)
+            }
             assert not texts & set(LAWS), f"{path.relative_to(SOURCE)} names a law"
             assert not {m for m in imports(path) if m.startswith(tuple(f"serpenoid.media.{name}" for name in LAWS))}
 

@@ -136,7 +136,7 @@ def changed_in_the_last_round(hidden: Effect, combinations: int) -> Campaign:
     return Campaign(healthy.identity, healthy.seed, healthy.protocol, (), healthy.world, ordered)
 
 
-@pytest.mark.parametrize("beside", ["the others", "the reference"])
+@pytest.mark.parametrize("beside", [pytest.param("the others", marks=pytest.mark.slow), "the reference"])
 def test_a_wheel_that_seizes_amid_the_campaign_is_named(tmp_path: Path, beside: str) -> None:
     """What it does is many times what repeats differ by else, so it is no chance; the trials in which it is seized are
     told, and by themselves name it, its place and its size."""

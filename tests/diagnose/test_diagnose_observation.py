@@ -94,7 +94,9 @@ def test_evidence_of_some_columns_is_part_of_the_whole(tmp_path: Path) -> None:
     assert misfit(data, now.with_column(3, float(step[0]))) == pytest.approx(whole.chi2([3]), rel=0.01)
 
 
-@pytest.mark.parametrize(("seed", "place", "width"), [(61, 4, 0.02), (62, 10, 0.09), (63, 1, 0.15)])
+@pytest.mark.parametrize(
+    ("seed", "place", "width"), [(61, 4, 0.02), pytest.param(62, 10, 0.09, marks=pytest.mark.slow), (63, 1, 0.15)]
+)
 def test_a_loose_joint_is_named_alone_and_its_interval_covers_it(
     seed: int, place: int, width: float, tmp_path: Path
 ) -> None:
@@ -144,7 +146,8 @@ def test_a_scale_beyond_its_bound_is_no_finding(seen_as: float, tmp_path: Path) 
 
 
 @pytest.mark.parametrize(
-    ("name", "place"), [("marker_offset", 4), ("marker_offset_ahead", 4), ("marker_offset_ahead", 10)]
+    ("name", "place"),
+    [("marker_offset", 4), ("marker_offset_ahead", 4), pytest.param("marker_offset_ahead", 10, marks=pytest.mark.slow)],
 )
 def test_a_displaced_marker_is_named_on_the_link_that_it_rides_on(name: str, place: int, tmp_path: Path) -> None:
     moved = {"along": 8e-3, "left": 5e-3}
@@ -161,7 +164,7 @@ def test_a_displaced_marker_is_named_on_the_link_that_it_rides_on(name: str, pla
         assert low < true < high
 
 
-@pytest.mark.parametrize("places", [(4,), (11,), (3, 4, 5)])
+@pytest.mark.parametrize("places", [pytest.param((4,), marks=pytest.mark.slow), (11,), (3, 4, 5)])
 def test_markers_that_sway_with_the_bend_are_named_as_such(places: tuple[int, ...], tmp_path: Path) -> None:
     """Each was a pair of offsets against one another, on the link behind and on that ahead; at the head a load."""
     sway = -6e-3

@@ -533,7 +533,8 @@ def test_a_gap_remembers_where_a_trial_came_to_rest_from_and_what_follows_does_n
     np.testing.assert_allclose(plain.angles[:, 1], 0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("loss", [0.15, pytest.param(0.2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("loss", [0.15, 0.2])
 def test_rows_that_run_do_so_for_servos_that_are_all_weak(loss: float, tmp_path: Path) -> None:
     """Rows that are held beside a lag come nearer to a smaller swing than rows that run."""
     weak = [Effect("gain_loss", joint, {"loss": loss}) for joint in range(1, 11)]

@@ -120,6 +120,7 @@ def test_the_lamprey_keeps_within_slender_body_theory_and_what_is_missing_is_nam
     assert (tmp_path / "report.html").is_file()
 
 
+@pytest.mark.slow
 def test_what_the_prickleback_shows_is_not_forced_into_the_catalogue(tmp_path: Path) -> None:
     found = diagnosed(ROOT / "problems" / "campaigns" / "prickleback.toml", tmp_path / "out", "--no-figures")
     assert found["anisotropy_ratio"]["after"] == 0.5

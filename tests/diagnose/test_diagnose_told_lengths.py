@@ -55,6 +55,7 @@ def seen(
     return choose_observation(recordings, Observation.neutral(recordings[0].body))[0]
 
 
+@pytest.mark.slow
 def test_lengths_that_are_told_wrong_are_found_and_offsets_are_said_to_stand_for_them(tmp_path: Path) -> None:
     off = np.exp(RULER * np.random.default_rng(1).normal(size=len(SNAKE10.edges)))
     stage = seen(tmp_path / "short", [], SNAKE10.edges * off)
@@ -82,7 +83,7 @@ def test_lengths_that_are_told_from_head_to_tail_are_said_to_be(tmp_path: Path) 
 @pytest.mark.parametrize(
     "hidden",
     [
-        [Effect("marker_offset", 4, {"along": 4e-3, "left": 0.0})],
+        pytest.param([Effect("marker_offset", 4, {"along": 4e-3, "left": 0.0})], marks=pytest.mark.slow),
         [Effect("marker_offset", 4, {"along": 3e-3, "left": 2e-3}), Effect("length_scale", None, {"error": 0.02})],
     ],
 )
@@ -93,6 +94,7 @@ def test_markers_beside_their_places_and_a_scale_are_what_they_are(tmp_path: Pat
     assert stage.settled, stage.words
 
 
+@pytest.mark.slow
 def test_all_markers_may_be_to_one_side(tmp_path: Path) -> None:
     hidden = [Effect("marker_offset", k, {"along": 0.0, "left": 4e-3}) for k in range(COUNT)]
     stage = seen(tmp_path / "short", hidden)
@@ -118,7 +120,9 @@ def looked(folder: Path, camera: Callable[[np.ndarray], np.ndarray], keys: Seque
     return found
 
 
-@pytest.mark.parametrize("keys", [[], [("length_scale", None), ("marker_offset", 4)]])
+@pytest.mark.parametrize(
+    "keys", [[], pytest.param([("length_scale", None), ("marker_offset", 4)], marks=pytest.mark.slow)]
+)
 def test_a_stretched_camera_is_no_wrong_links(tmp_path: Path, keys: list[Key]) -> None:
     found = instead_of_effects(looked(tmp_path / "short", lambda p: p @ (np.eye(2) + STRETCH), keys))
     assert isinstance(found, OtherAxes)
@@ -129,7 +133,9 @@ def test_a_stretched_camera_is_no_wrong_links(tmp_path: Path, keys: list[Key]) -
     assert "`edge_lengths`" not in found.remedy
 
 
-@pytest.mark.parametrize(("scale", "keys"), [(1.0, []), (1.01, [("length_scale", None)])])
+@pytest.mark.parametrize(
+    ("scale", "keys"), [(1.0, []), pytest.param(1.01, [("length_scale", None)], marks=pytest.mark.slow)]
+)
 def test_no_camera_is_stretched_that_sees_all_directions_alike(tmp_path: Path, scale: float, keys: list[Key]) -> None:
     assert instead_of_effects(looked(tmp_path / "short", lambda p: scale * p, keys)) is None
 
@@ -147,7 +153,7 @@ def test_beside_a_stretched_camera_names_are_stand_ins(tmp_path: Path) -> None:
     assert not stage.settled
 
 
-@pytest.mark.parametrize("middles", [False, True])
+@pytest.mark.parametrize("middles", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_the_one_edge_that_differs_is_told_of_those_that_are_written(tmp_path: Path, middles: bool) -> None:
     """Not the whole list, nor halves of edges where drag sits in their middles."""
     protocol = draw_protocol(29)

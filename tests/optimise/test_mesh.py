@@ -65,7 +65,7 @@ def played(angles: Floats, factor: int) -> float:
     return simulate_joint_angles(reference(), finer).displacement
 
 
-@pytest.mark.parametrize("steps", [3, 4, 5, 50])
+@pytest.mark.parametrize("steps", [3, pytest.param(4, marks=pytest.mark.slow), 5, 50])
 def test_one_joint_goes_nowhere_whatever_coarse_steps_say(steps: int) -> None:
     result = solve(problem(*ONE_JOINT, f"task.steps={steps}"), starts=4, seed=1)
     assert not result.optima
