@@ -53,7 +53,7 @@ def without_labels(folder: Path) -> None:
             csv.writer(file).writerows([[row[i] for i in kept] for row in [header, *rows]])
 
 
-@pytest.mark.parametrize("labelled", [True, False])
+@pytest.mark.parametrize("labelled", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_a_film_that_begins_late_is_compared_from_there_on(campaign: Path, labelled: bool) -> None:
     filmed_late(campaign, 0.3)
     if not labelled:

@@ -134,7 +134,7 @@ def test_what_one_joint_does_by_itself_is_no_misfit_where_it_is_free_and_play_of
     assert misfit_beside(pushed, known, []) == pytest.approx(misfit(pushed, known), rel=1e-6)
 
 
-@pytest.mark.parametrize("seen_as", [0.3, 3.0])
+@pytest.mark.parametrize("seen_as", [0.3, pytest.param(3.0, marks=pytest.mark.slow)])
 def test_a_scale_beyond_its_bound_is_no_finding(seen_as: float, tmp_path: Path) -> None:
     write(make(64, [], combinations=COMBINATIONS[:2]), tmp_path)
     recordings = [replace(r, markers=seen_as * r.markers) for r in read_recordings(tmp_path)[1]]

@@ -71,6 +71,7 @@ def test_lengths_that_are_told_wrong_are_found_and_offsets_are_said_to_stand_for
         assert float(stated) == pytest.approx(1e3 * (SNAKE10.edges * off)[int(k) - 1], abs=0.06)
 
 
+@pytest.mark.slow
 def test_lengths_that_are_told_from_head_to_tail_are_said_to_be(tmp_path: Path) -> None:
     drawn = draw_protocol(29)  # three joints, played twice, with a log
     edges = 0.15 * np.linspace(0.95, 1.05, 4)
@@ -145,6 +146,7 @@ def test_perspective_is_no_stretched_camera(tmp_path: Path) -> None:
     assert instead_of_effects(looked(tmp_path / "short", lambda p: p * (1 + 0.1 * p[..., 1:]))) is None
 
 
+@pytest.mark.slow
 def test_beside_a_stretched_camera_names_are_stand_ins(tmp_path: Path) -> None:
     stage = seen(tmp_path / "short", [], protocol=draw_protocol(29), camera=np.diag([1.02, 1.01]))
     assert stage.named

@@ -32,7 +32,7 @@ def trials(rows: np.ndarray, mirrored: list[int], logs: bool, count: int = 4) ->
 
 
 @pytest.mark.parametrize("logs", [False, True])
-@pytest.mark.parametrize("mirrored", [[2], [1, 3]])
+@pytest.mark.parametrize("mirrored", [[2], pytest.param([1, 3], marks=pytest.mark.slow)])
 def test_single_films_that_are_mirrored_are_told_as_such(mirrored, logs):
     found = check(trials(UNEVEN, mirrored, logs), {"gait": UNEVEN}).contradictions
     assert [(one.trial, one.cure) for one in found] == [(f"t{k}", MIRRORED) for k in mirrored]

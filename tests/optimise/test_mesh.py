@@ -107,6 +107,7 @@ def test_refining_solves_the_same_problem_on_meshes_until_one_is_fine() -> None:
     assert fine.trajectory.displacement == pytest.approx(fine.mesh.displacement, rel=1e-3)
 
 
+@pytest.mark.slow  # 27 vertices and meshes of hundreds of steps
 def test_refining_begins_with_the_best_optimum_though_its_mesh_is_too_coarse() -> None:
     """Starts that end in a worse optimum do not hide those that reach a better one."""
     found = solve(problem(*UNEVEN), starts=4, seed=0)

@@ -45,6 +45,7 @@ def test_along_the_family_distance_and_dissipation_fall_and_every_point_is_on_th
     assert (slope >= family.dissipation[1:] - 1e-9).all()
 
 
+@pytest.mark.slow
 def test_more_starts_lose_nothing_amid_the_family() -> None:
     """What is best at an end need not lead to what is best at another c: every optimum of an end is followed."""
     asked = problem("reference-optimum", "body.vertices=14", "medium.anisotropy_ratio=0.5", "body.joint_limit_deg=50.0")
