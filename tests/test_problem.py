@@ -290,10 +290,10 @@ CHECKS = {
 }
 
 
-LIKE_GAIT_B = "gait-a", "gait-c"  # three rows of one table
+AT_LEISURE = "gait-a", "gait-c", "five-links", "sidewind-to"  # beside gait-b, snake10 and sidewinding
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n in LIKE_GAIT_B else []) for n in CHECKS])
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n in AT_LEISURE else []) for n in CHECKS])
 def test_what_a_problem_file_expects_is_so(name: str) -> None:
     CHECKS[name]()
 

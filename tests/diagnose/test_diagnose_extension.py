@@ -67,6 +67,7 @@ def test_where_nothing_is_named_the_extended_model_is_the_baseline(tmp_path: Pat
     assert [e["in_extended_model"] for e in record(found)["below_detection"]] == [False]
 
 
+@pytest.mark.slow
 def test_what_paths_are_off_by_from_where_they_were_begun_has_a_name(tmp_path: Path) -> None:
     """An error of heading grows along a path, which start poses fitted anew hide: without it paths stray by more than
     chance makes, so "nothing" would not be true."""

@@ -75,6 +75,7 @@ def test_cycles_that_were_not_played_are_no_fault_of_the_servos(campaign: Path) 
     assert remarks == 2 * SETTINGS * ["2 of 4 promised cycles were played, say the log's labels"]
 
 
+@pytest.mark.slow
 def test_without_labels_a_film_of_fewer_cycles_is_laid_on_the_last_ones_and_nothing_is_wrong(campaign: Path) -> None:
     promised(campaign, 4)
     without_labels(campaign)

@@ -147,7 +147,11 @@ def test_a_scale_beyond_its_bound_is_no_finding(seen_as: float, tmp_path: Path) 
 
 @pytest.mark.parametrize(
     ("name", "place"),
-    [("marker_offset", 4), ("marker_offset_ahead", 4), pytest.param("marker_offset_ahead", 10, marks=pytest.mark.slow)],
+    [
+        pytest.param("marker_offset", 4, marks=pytest.mark.slow),
+        ("marker_offset_ahead", 4),
+        pytest.param("marker_offset_ahead", 10, marks=pytest.mark.slow),
+    ],
 )
 def test_a_displaced_marker_is_named_on_the_link_that_it_rides_on(name: str, place: int, tmp_path: Path) -> None:
     moved = {"along": 8e-3, "left": 5e-3}
@@ -164,7 +168,9 @@ def test_a_displaced_marker_is_named_on_the_link_that_it_rides_on(name: str, pla
         assert low < true < high
 
 
-@pytest.mark.parametrize("places", [pytest.param((4,), marks=pytest.mark.slow), (11,), (3, 4, 5)])
+@pytest.mark.parametrize(
+    "places", [pytest.param((4,), marks=pytest.mark.slow), pytest.param((11,), marks=pytest.mark.slow), (3, 4, 5)]
+)
 def test_markers_that_sway_with_the_bend_are_named_as_such(places: tuple[int, ...], tmp_path: Path) -> None:
     """Each was a pair of offsets against one another, on the link behind and on that ahead; at the head a load."""
     sway = -6e-3

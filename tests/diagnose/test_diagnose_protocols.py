@@ -117,6 +117,7 @@ def test_without_a_log_what_a_hidden_vertex_leaves_open_is_no_reading(tmp_path: 
     assert worst < 0.03, worst
 
 
+@pytest.mark.slow
 def test_without_a_log_a_hidden_vertex_says_nothing_of_the_servos(tmp_path: Path) -> None:
     blind = make(SEED, 0, protocol=protocol(log_hertz=0.0, marker_noise=4e-4))
 

@@ -153,7 +153,10 @@ def test_servos_that_lag_by_less_than_a_reading_where_rows_jump_are_no_noise(tmp
     assert low < 0.005 < high
 
 
-@pytest.mark.parametrize(("name", "place", "late"), [("servo_lag", None, 0.12), ("lagging_joint", 4, 0.02)])
+@pytest.mark.parametrize(
+    ("name", "place", "late"),
+    [pytest.param("servo_lag", None, 0.12, marks=pytest.mark.slow), ("lagging_joint", 4, 0.02)],
+)
 def test_a_lag_is_told_from_a_late_start_where_nothing_says_when_a_trial_began(
     recordings: tuple[Recording, ...], name: str, place: int | None, late: float
 ) -> None:
@@ -415,6 +418,7 @@ def test_two_joints_that_are_exchanged_in_one_trial_are_told(recordings: tuple[R
     assert said in stage.words
 
 
+@pytest.mark.slow
 def test_servos_that_tire_from_trial_to_trial_are_told(recordings: tuple[Recording, ...]) -> None:
     tired = [replace(r, position=(1 - 0.05 * (n + 1)) * r.position) for n, r in enumerate(recordings)]
     words = choose_actuation(plays(tired)).words

@@ -160,7 +160,7 @@ def test_windows_in_which_a_model_has_no_root_have_the_noise_of_the_others(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A search tries models whose steps have no root: NaN there stood in all sums, and ended it."""
-    swimmer = Swimmer(Ground(0.6), 61)
+    swimmer = Swimmer(Ground(0.6), 61, SHORT_S)
     recordings = tracked_recordings(load_campaign(write(swimmer, tmp_path)))
     model = Model(recordings[0].body, Medium(anisotropy_ratio=0.6, dissipation="vertex"))
     whole = tracked.tracker(recordings)(model)

@@ -141,6 +141,7 @@ def test_no_camera_is_stretched_that_sees_all_directions_alike(tmp_path: Path, s
     assert instead_of_effects(looked(tmp_path / "short", lambda p: scale * p, keys)) is None
 
 
+@pytest.mark.slow
 def test_perspective_is_no_stretched_camera(tmp_path: Path) -> None:
     """What a stretch takes away of it is less than what it leaves."""
     assert instead_of_effects(looked(tmp_path / "short", lambda p: p * (1 + 0.1 * p[..., 1:]))) is None

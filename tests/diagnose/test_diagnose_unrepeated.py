@@ -34,6 +34,7 @@ def once(seed: int) -> Protocol:
     return replace(protocol, plays=1, settings=settings)
 
 
+@pytest.mark.slow
 def test_rows_that_run_are_not_taken_to_jump_and_servos_to_lag_where_markers_are_noisy(tmp_path: Path) -> None:
     """No way to take the rows is followed within a noise that is underestimated; the best is so by chance."""
     write(make(NOISY_SEED, [], "noisy", protocol=once(NOISY_SEED)), tmp_path)

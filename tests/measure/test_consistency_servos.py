@@ -88,7 +88,7 @@ def test_a_servo_log_that_ends_early_is_no_contradiction(log_s):
     assert beside(log_s, table(8)).contradictions == ()
 
 
-@pytest.mark.parametrize("log_s", [8.0, 15.5])
+@pytest.mark.parametrize("log_s", [pytest.param(8.0, marks=pytest.mark.slow), 15.5])
 def test_another_motion_in_a_servo_log_is_one_all_the_same(log_s):
     other = np.cos(2 * np.pi * (np.arange(40)[:, None] / 40 * 3 + np.random.default_rng(1).uniform(size=8)))
     assert beside(log_s, other).contradictions
