@@ -88,6 +88,7 @@ def test_a_payload_takes_the_place_of_what_all_other_vertices_lack(tmp_path: Pat
     assert found.parameters["share"] == pytest.approx(share, rel=0.05)
 
 
+@pytest.mark.slow
 def test_several_worn_wheels_are_found_at_once_where_the_first_that_was_found_is_none_of_them(tmp_path: Path) -> None:
     worn = {2: 0.85, 7: 0.82, 9: 0.85, 10: 0.73}
     campaign = make(5, [Effect("worn_wheel", k, {"seizure": s}) for k, s in worn.items()], "short", COMBINATIONS[:4])

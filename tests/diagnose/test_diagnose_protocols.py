@@ -137,6 +137,7 @@ def test_without_a_log_a_hidden_vertex_says_nothing_of_the_servos(tmp_path: Path
     np.testing.assert_allclose(found.noise, plays(seen).noise, rtol=0.1)
 
 
+@pytest.mark.slow
 def test_without_a_log_a_joint_that_is_never_read_has_no_name_and_is_as_it_was_told(tmp_path: Path) -> None:
     blind = make(SEED, 0, protocol=protocol(log_hertz=0.0, marker_noise=4e-4))
 

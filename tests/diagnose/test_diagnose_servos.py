@@ -124,6 +124,7 @@ def test_commands_that_were_sent_late_are_taken_from_the_log(recordings: tuple[R
     assert choose_actuation(data).settled
 
 
+@pytest.mark.slow
 def test_a_saturation_of_rows_that_jump_is_named_alone(tmp_path: Path) -> None:
     hidden = Effect("speed_saturation", None, {"max_speed": 0.6})
     protocol = replace(usual(SEED, COMBINATIONS[:SETTINGS]), held=True)
