@@ -1,4 +1,7 @@
-"""Options and values that all tests share. Long checks are marked `slow` and run with --run-slow."""
+"""Options and values that all tests share.
+
+Long checks, and further variants of what others ask, are marked `slow` and run with --run-slow.
+"""
 
 from __future__ import annotations
 

@@ -22,6 +22,7 @@ from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.load import load_campaign
 from specimens import animal_campaign
 
+pytestmark = pytest.mark.usefixtures("virtual_machine")
 K = 12.0
 POINTS, FINE = 12, 89  # points seen; 8 pieces of the curve between two of them
 RATE, FRAMES_PER_SECOND, NOISE = 0.55, 30.0, 3e-4  # beats a second; body lengths

@@ -290,7 +290,10 @@ CHECKS = {
 }
 
 
-@pytest.mark.parametrize("name", CHECKS)
+AT_LEISURE = "gait-a", "gait-c", "five-links", "sidewind-to"  # beside gait-b, snake10 and sidewinding
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n in AT_LEISURE else []) for n in CHECKS])
 def test_what_a_problem_file_expects_is_so(name: str) -> None:
     CHECKS[name]()
 

@@ -6,6 +6,7 @@ import ast
 import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -60,6 +61,12 @@ MAY_IMPORT = {
 }
 
 
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@cache
 def imports(path: Path) -> set[str]:
     """Modules that a file imports when it runs: everything but what stands under `if TYPE_CHECKING`."""
     found: set[str] = set()
@@ -75,7 +82,7 @@ def imports(path: Path) -> set[str]:
         for child in ast.iter_child_nodes(node):
             visit(child)
 
-    visit(ast.parse(path.read_text(encoding="utf-8")))
+    visit(parsed(path))
     return found
 
 
@@ -127,7 +134,7 @@ def test_the_diagnosis_knows_no_effect_by_name() -> None:
     """What it must know of an effect stands in the effect's own file, so that one more file is one more candidate."""
     names, rooms = set(catalogue()), tuple(f"serpenoid.effects.{site}" for site in SITES)
     for path in (SOURCE / "diagnose").rglob("*.py"):
-        texts = {n.value for n in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(n, ast.Constant)}
+        texts = {n.value for n in ast.walk(parsed(path)) if isinstance(n, ast.Constant)}
         assert not texts & names, f"{path.relative_to(SOURCE)} names an effect"
         assert not {m for m in imports(path) if m.startswith(rooms)}, f"{path.relative_to(SOURCE)} imports an effect"
 
@@ -136,8 +143,9 @@ def test_no_law_is_asked_for_by_name() -> None:
     """What others must know of a law stands in its own file, so that one more file is one more law."""
     for path in FILES:
         if room(module(path)) != "media":
-            tree = ast.parse(path.read_text(encoding="utf-8"))
-            texts = {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+            texts = {
+                n.value for n in ast.walk(parsed(path)) if isinstance(n, ast.Constant) and isinstance(n.value, str)
+            }
             assert not texts & set(LAWS), f"{path.relative_to(SOURCE)} names a law"
             assert not {m for m in imports(path) if m.startswith(tuple(f"serpenoid.media.{name}" for name in LAWS))}
 
@@ -212,8 +220,10 @@ def test_every_public_name_can_be_imported_and_the_list_is_complete() -> None:
 
 def test_source_raises_no_bare_exceptions_asserts_nothing_and_never_prints() -> None:
     for path in FILES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            where = f"{path.relative_to(SOURCE)}:{getattr(node, 'lineno', 0)}"
+        for node in ast.walk(parsed(path)):
+            if not isinstance(node, ast.Assert | ast.Raise | ast.Call):
+                continue
+            where = f"{path.relative_to(SOURCE)}:{node.lineno}"
             assert not isinstance(node, ast.Assert), where
             if isinstance(node, ast.Raise) and node.exc is not None:
                 raised = node.exc.func if isinstance(node.exc, ast.Call) else node.exc
@@ -224,7 +234,7 @@ def test_source_raises_no_bare_exceptions_asserts_nothing_and_never_prints() -> 
 
 def test_every_module_says_what_it_is() -> None:
     for path in FILES:
-        assert ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))), path
+        assert ast.get_docstring(parsed(path)), path
 
 
 @pytest.fixture(scope="module")

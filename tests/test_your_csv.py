@@ -19,6 +19,7 @@ ROOT = Path(__file__).parents[1]
 pytestmark = pytest.mark.usefixtures("virtual_machine")
 
 
+@pytest.mark.slow
 def test_the_page_runs_as_it_stands(tmp_path, capsys):
     page = (ROOT / "docs" / "your-csv.md").read_text(encoding="utf-8")
     toml, *_ = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)

@@ -94,7 +94,7 @@ def moved(name: str, played: np.ndarray) -> float:
     return float(way @ chord[:2] / np.linalg.norm(chord[:2]) / body.total_length_m)
 
 
-@pytest.mark.parametrize("name", ["6 joints, unequal links", "16 joints"])
+@pytest.mark.parametrize("name", ["6 joints, unequal links", pytest.param("16 joints", marks=pytest.mark.slow)])
 def test_a_travelling_wave_moves_a_chain_head_first_and_its_reverse_tail_first(name):
     played = table(BODIES[name])
     forward, backward = moved(name, played), moved(name, played[-np.arange(len(played))])

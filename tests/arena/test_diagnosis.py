@@ -2,7 +2,6 @@
 
 import json
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,12 +13,12 @@ from serpenoid.arena.protocol import load_protocol
 from serpenoid.arena.trial import plans
 from serpenoid.body import Body
 from serpenoid.cli.main import main
-from serpenoid.diagnose.data.noise import residuals
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.diagnose import Diagnosis
 from serpenoid.diagnose.inference.laws import on_rival
-from serpenoid.diagnose.inference.medium import linearised
-from serpenoid.diagnose.reference import about, reference_of
-from serpenoid.errors import InputError
+from serpenoid.diagnose.reference import reference_of
+from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.media import LAWS
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -45,15 +44,27 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def healthy(folder):
-    return short_campaign(folder / "healthy", 21, Hidden())
+def changed(folder):
+    return short_campaign(folder / "changed", 23, HIDDEN["wrong-zero"])
 
 
 @pytest.fixture(scope="module")
-def then(healthy, folder) -> Diagnosis:
-    return diagnosed(healthy, None, folder / "then")[0]
+def then(folder) -> Diagnosis:
+    """A minute's work: no law of the catalogue is that of the arena's servos, and many are tried."""
+    return diagnosed(short_campaign(folder / "healthy", 21, Hidden()), None, folder / "then")[0]
 
 
+def test_markers_show_a_wrong_zero_without_a_reference(changed):
+    _, recordings = read_recordings(changed)
+    stage, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
+    (named,) = stage.named
+    assert named.effect.key in HIDDEN["wrong-zero"].answers
+    assert not named.stand_in
+    low, high = named.intervals["offset"]
+    assert low < np.radians(6.0) < high
+
+
+@pytest.mark.slow
 def test_the_healthy_robot_is_not_what_the_model_says(then):
     assert then.verdict in ("partly explained", "unexplained")
     # soft servos, told to jump from row to row
@@ -64,17 +75,23 @@ def test_the_healthy_robot_is_not_what_the_model_says(then):
     assert all(n.stand_in for n in then.named)
 
 
+@pytest.mark.slow
 def test_the_law_of_the_floor_is_asked(then):
     # by the anisotropy ratio alone the arena's contacts are nearer to dry friction than to linear drag
     told = r"alone, dry friction \(Coulomb\).* misses windows by ([\d.]+) times the noise and linear drag by ([\d.]+)"
     said = [alone for text in then.motion.stage.laws.values() if (alone := re.match(told, text))]
     assert said
     assert all(float(one[1]) < float(one[2]) for one in said)
-    assert on_rival(Model(then.model.body, Medium(anisotropy_ratio=0.2, law="coulomb")), LAWS["coulomb"]) is None
+
+
+def test_a_law_that_a_body_lacks_or_already_has_is_no_rival():
+    body = Body(vertices=12)
+    assert on_rival(Model(body, Medium(anisotropy_ratio=0.2, law="coulomb")), LAWS["coulomb"]) is None
     swimmer = Body(kind="swimmer", vertices=12)
     assert on_rival(Model(swimmer, Medium(anisotropy_ratio=0.2)), LAWS["coulomb"]) is None
 
 
+@pytest.mark.slow
 def test_another_day_with_the_healthy_robot_brings_no_news(then, folder):
     campaign = short_campaign(folder / "another", 22, Hidden())
     _, said = diagnosed(campaign, reference_of(then), folder / "another-out")
@@ -82,36 +99,12 @@ def test_another_day_with_the_healthy_robot_brings_no_news(then, folder):
     assert said["effects"] == []
 
 
-def test_a_wrong_zero_is_what_changed(then, folder):
-    campaign = short_campaign(folder / "changed", 23, HIDDEN["wrong-zero"])
-    _, said = diagnosed(campaign, reference_of(then), folder / "changed-out")
+@pytest.mark.slow
+def test_a_wrong_zero_is_what_changed(then, changed, folder):
+    _, said = diagnosed(changed, reference_of(then), folder / "changed-out")
     assert judged(said, HIDDEN["wrong-zero"])["outcome"] == "right"
     low, high = said["effects"][0]["parameters"]["offset"]["interval"]
     assert low < np.radians(6.0) < high
-
-
-def test_the_habitual_error_is_the_mean_over_repeats(then):
-    known, model = reference_of(then), then.extension.model
-    motion = about(then, model)
-    errors = residuals(motion.tracks, linearised(motion, model, model.effects)[1])
-    first = [e for t, e in zip(motion.tracks, errors, strict=True) if t.recording.gait == "gait-1"]
-    np.testing.assert_allclose(known.explained[0].habits["gait-1", 5.0].error, np.nanmean(first, axis=0), atol=1e-12)
-
-
-def test_a_reference_of_another_body_is_refused(then):
-    lengths = [1.1 * e for e in then.model.body.edges_m]
-    with pytest.raises(InputError, match="another body"):
-        reference_of(then).check(Body(vertices=12, edge_lengths=tuple(lengths)))
-
-
-def test_a_gait_not_played_before_leaves_all_the_habitual_error_in_doubt(then):
-    known = reference_of(then)
-    track = then.motion.selection.motion.tracks[0]
-    new = replace(track, recording=replace(track.recording, gait="new"))
-    old, fresh = known.corrected([track, new])
-    np.testing.assert_array_equal(fresh.offset, track.offset)
-    np.testing.assert_allclose(fresh.doubt[fresh.playing], np.broadcast_to(known.usual, (fresh.playing.sum(), 3)))
-    assert (old.doubt[old.playing] < fresh.doubt[fresh.playing]).all()
 
 
 def test_each_gait_may_have_a_heading_of_its_own():
@@ -121,9 +114,8 @@ def test_each_gait_may_have_a_heading_of_its_own():
     assert len(plans(protocol)) == 12
 
 
-def test_what_is_hidden_leaves_no_trace_in_the_campaign(folder):
-    campaign = short_campaign(folder / "sealed", 24, HIDDEN["wrong-zero"])
-    texts = [p.read_text() for p in campaign.rglob("*") if p.suffix in (".toml", ".json")]
+def test_what_is_hidden_leaves_no_trace_in_the_campaign(changed, folder):
+    texts = [p.read_text() for p in changed.rglob("*") if p.suffix in (".toml", ".json")]
     assert not any(word in text for text in texts for word in ("zero", "changes", "seed"))
     assert "zero" not in str(Study(folder).folder("wrong-zero"))
 

@@ -188,7 +188,12 @@ def test_a_silent_diagnosis_misses_a_strong_effect_and_is_right_outside(tmp_path
     assert row["outcome"] == "missed"
 
 
-@pytest.mark.parametrize("index", range(1, len(HANDFUL)))
+ALWAYS = (4, 5)  # the one that is diagnosed by default; another
+
+
+@pytest.mark.parametrize(
+    "index", [i if i in ALWAYS else pytest.param(i, marks=pytest.mark.slow) for i in range(1, len(HANDFUL))]
+)
 def test_the_handful_is_strong(index: int) -> None:
     study = Study("handful", Path("unused"), "unused")
     c = study.case(index).campaign

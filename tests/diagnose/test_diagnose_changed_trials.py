@@ -136,6 +136,7 @@ def changed_in_the_last_round(hidden: Effect, combinations: int) -> Campaign:
     return Campaign(healthy.identity, healthy.seed, healthy.protocol, (), healthy.world, ordered)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("beside", ["the others", "the reference"])
 def test_a_wheel_that_seizes_amid_the_campaign_is_named(tmp_path: Path, beside: str) -> None:
     """What it does is many times what repeats differ by else, so it is no chance; the trials in which it is seized are
@@ -167,6 +168,14 @@ def test_the_screen_says_which_trials_and_what_of_them(tmp_path: Path, capsys: p
     assert main(["diagnose", str(tmp_path / "now"), "--out", str(tmp_path / "out"), "--no-figures"]) == 0
     screen = capsys.readouterr().out
     said = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
-    assert said["changed_trials"] is not None
+    changed = said["changed_trials"]
+    assert {name.rpartition("-")[2] for name in changed["trials"]} == {"2"}
+    assert {name.rpartition("-")[2] for name in changed["others"]} == {"1"}
+    (found,) = changed["diagnosis"]["effects"]
+    assert (found["name"], found["place"], found["stand_in"]) == ("zero_offset", 4, False)
+    low, high = found["parameters"]["offset"]["interval"]
+    assert low < 0.1 < high
+    own = json.loads((tmp_path / "out" / changed["folder"] / "diagnosis.json").read_text())
+    assert own["effects"] == changed["diagnosis"]["effects"]
     assert "something acts in some of the trials alone" in screen
     assert "zero_offset at joint 4" in screen.partition("Changed trials: ")[2].partition("Details")[0]

@@ -26,8 +26,8 @@ SLOPE = Effect("slope", None, {"pull_x": 0.004, "pull_y": 0.002})
 SMALL_LOAD = Effect("load", 2, {"share": 0.005})
 
 
-def diagnosed(folder: Path, *effects: Effect) -> Diagnosis:
-    write_campaign(make(11, effects, "c", COMBINATIONS[:4]), folder)
+def diagnosed(folder: Path, *effects: Effect, gaits: int = 4) -> Diagnosis:
+    write_campaign(make(11, effects, "c", COMBINATIONS[:gaits]), folder)
     file, recordings = read_recordings(folder)
     found = diagnose(recordings, Baseline(baseline(None, file, file.body)), lambda text: None)
     write(folder / "out", file, found)
@@ -61,12 +61,13 @@ def test_a_load_too_weak_to_be_named_is_in_the_extended_model(tmp_path: Path) ->
 
 
 def test_where_nothing_is_named_the_extended_model_is_the_baseline(tmp_path: Path) -> None:
-    found = diagnosed(tmp_path, SMALL_LOAD)
+    found = diagnosed(tmp_path, SMALL_LOAD, gaits=2)
     assert found.verdict == "nothing"
     assert found.model.effects == ()
     assert [e["in_extended_model"] for e in record(found)["below_detection"]] == [False]
 
 
+@pytest.mark.slow
 def test_what_paths_are_off_by_from_where_they_were_begun_has_a_name(tmp_path: Path) -> None:
     """An error of heading grows along a path, which start poses fitted anew hide: without it paths stray by more than
     chance makes, so "nothing" would not be true."""

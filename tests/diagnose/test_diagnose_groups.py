@@ -39,14 +39,13 @@ TOE = Effect("toe", None, {"angle": 0.05})
 SLOPE = Effect("slope", None, {"pull_x": 0.002, "pull_y": 0.0008})
 
 
-def recorded(folder: Path, seed: int, *effects: Effect) -> tuple[Recording, ...]:
-    """A short campaign of two gaits."""
-    write(make(seed, effects, combinations=COMBINATIONS[:2]), folder)
+def recorded(folder: Path, seed: int, *effects: Effect, gaits: int = 1) -> tuple[Recording, ...]:
+    write(make(seed, effects, combinations=COMBINATIONS[:gaits]), folder)
     return read_recordings(folder)[1]
 
 
 def motion(folder: Path, seed: int, *effects: Effect) -> MotionFinding:
-    recordings = recorded(folder, seed, *effects)
+    recordings = recorded(folder, seed, *effects, gaits=2)
     _, seen = choose_observation(recordings, Observation.neutral(recordings[0].body))
     file, _ = read_recordings(folder)
     return choose_motion(recordings, seen, Baseline(baseline(None, file, file.body)), lambda text: None)

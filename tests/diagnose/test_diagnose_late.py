@@ -53,7 +53,7 @@ def without_labels(folder: Path) -> None:
             csv.writer(file).writerows([[row[i] for i in kept] for row in [header, *rows]])
 
 
-@pytest.mark.parametrize("labelled", [True, False])
+@pytest.mark.parametrize("labelled", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_a_film_that_begins_late_is_compared_from_there_on(campaign: Path, labelled: bool) -> None:
     filmed_late(campaign, 0.3)
     if not labelled:
@@ -75,6 +75,7 @@ def test_cycles_that_were_not_played_are_no_fault_of_the_servos(campaign: Path) 
     assert remarks == 2 * SETTINGS * ["2 of 4 promised cycles were played, say the log's labels"]
 
 
+@pytest.mark.slow
 def test_without_labels_a_film_of_fewer_cycles_is_laid_on_the_last_ones_and_nothing_is_wrong(campaign: Path) -> None:
     promised(campaign, 4)
     without_labels(campaign)

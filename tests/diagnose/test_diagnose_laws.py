@@ -189,7 +189,7 @@ def test_the_numbers_of_a_law_are_found_with_eps(law: str, dragged: tuple[Motion
     [  # effects make the plain slip of drag
         pytest.param("coulomb", True, marks=pytest.mark.slow),
         ("coulomb_by_components", True),
-        ("coulomb", False),
+        pytest.param("coulomb", False, marks=pytest.mark.slow),
     ],
 )
 def test_a_law_that_nobody_states_is_taken_where_it_leaves_little_and_drag_much(

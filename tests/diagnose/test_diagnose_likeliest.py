@@ -25,7 +25,7 @@ LAW = Effect("rolling_resistance", None, {"crossover_speed": 0.02})
 
 def explanations(folder: Path, law: Sequence[Effect], seizure: float = 0.5) -> tuple[Motion, list[Fit]]:
     """The motion of a robot with a worn wheel, and fits of the wheel, and of a heap, without the law."""
-    campaign = make(5, [*law, Effect(*WHEEL, {"seizure": seizure})], "law", COMBINATIONS[:4])
+    campaign = make(5, [*law, Effect(*WHEEL, {"seizure": seizure})], "law", COMBINATIONS[:3])
     write(campaign, folder)
     motion, model = windows(folder, campaign.eps)
 

@@ -23,7 +23,7 @@ def campaigns(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     return [folder / "first", folder / "second"]
 
 
-@pytest.mark.parametrize("jobs", ["1", "2"])
+@pytest.mark.parametrize("jobs", [pytest.param("1", marks=pytest.mark.slow), "2"])
 def test_two_campaigns_have_a_folder_each_and_one_table(campaigns: list[Path], jobs: str, tmp_path: Path) -> None:
     command = ["diagnose", *map(str, campaigns), "--jobs", jobs, "--out", str(tmp_path / "out"), "--no-figures"]
     assert main(command) == 1  # one of them cannot be diagnosed, and the other is all the same

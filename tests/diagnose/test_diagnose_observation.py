@@ -98,7 +98,9 @@ def test_evidence_of_some_columns_is_part_of_the_whole(tmp_path: Path) -> None:
     assert misfit(data, now.with_column(3, float(step[0]))) == pytest.approx(whole.chi2([3]), rel=0.01)
 
 
-@pytest.mark.parametrize(("seed", "place", "width"), [(61, 4, 0.02), (62, 10, 0.09), (63, 1, 0.15)])
+@pytest.mark.parametrize(
+    ("seed", "place", "width"), [(61, 4, 0.02), pytest.param(62, 10, 0.09, marks=pytest.mark.slow), (63, 1, 0.15)]
+)
 def test_a_loose_joint_is_named_alone_and_its_interval_covers_it(
     seed: int, place: int, width: float, tmp_path: Path
 ) -> None:
@@ -136,7 +138,7 @@ def test_what_one_joint_does_by_itself_is_no_misfit_where_it_is_free_and_play_of
     assert misfit_beside(pushed, known, []) == pytest.approx(misfit(pushed, known), rel=1e-6)
 
 
-@pytest.mark.parametrize("seen_as", [0.3, 3.0])
+@pytest.mark.parametrize("seen_as", [0.3, pytest.param(3.0, marks=pytest.mark.slow)])
 def test_a_scale_beyond_its_bound_is_no_finding(seen_as: float, tmp_path: Path) -> None:
     write(make(64, [], combinations=COMBINATIONS[:2]), tmp_path)
     recordings = [replace(r, markers=seen_as * r.markers) for r in read_recordings(tmp_path)[1]]
@@ -148,7 +150,12 @@ def test_a_scale_beyond_its_bound_is_no_finding(seen_as: float, tmp_path: Path) 
 
 
 @pytest.mark.parametrize(
-    ("name", "place"), [("marker_offset", 4), ("marker_offset_ahead", 4), ("marker_offset_ahead", 10)]
+    ("name", "place"),
+    [
+        pytest.param("marker_offset", 4, marks=pytest.mark.slow),
+        ("marker_offset_ahead", 4),
+        pytest.param("marker_offset_ahead", 10, marks=pytest.mark.slow),
+    ],
 )
 def test_a_displaced_marker_is_named_on_the_link_that_it_rides_on(name: str, place: int, tmp_path: Path) -> None:
     moved = {"along": 8e-3, "left": 5e-3}
@@ -165,7 +172,9 @@ def test_a_displaced_marker_is_named_on_the_link_that_it_rides_on(name: str, pla
         assert low < true < high
 
 
-@pytest.mark.parametrize("places", [(4,), (11,), (3, 4, 5)])
+@pytest.mark.parametrize(
+    "places", [pytest.param((4,), marks=pytest.mark.slow), pytest.param((11,), marks=pytest.mark.slow), (3, 4, 5)]
+)
 def test_markers_that_sway_with_the_bend_are_named_as_such(places: tuple[int, ...], tmp_path: Path) -> None:
     """Each was a pair of offsets against one another, on the link behind and on that ahead; at the head a load."""
     sway = -6e-3

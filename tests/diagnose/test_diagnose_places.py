@@ -49,7 +49,9 @@ def fitted(folder: Path, *hidden: Effect) -> tuple[Campaign, Motion, Fit]:
     return campaign, motion, found
 
 
-@pytest.mark.parametrize("hidden", [JUMPS, DRIFT], ids=lambda e: e.name)
+@pytest.mark.parametrize(
+    "hidden", [pytest.param(JUMPS, id=JUMPS.name, marks=pytest.mark.slow), pytest.param(DRIFT, id=DRIFT.name)]
+)
 def test_a_patch_stays_where_it_is_however_cameras_show_the_body(hidden: Effect, tmp_path: Path) -> None:
     campaign, motion, found = fitted(tmp_path, PATCH, hidden)
     again = placed(motion, found)

@@ -34,8 +34,8 @@ SEED = 21
 
 
 def protocol(**instruments: object) -> Protocol:
-    """Three gaits of the usual robot, seen by other instruments."""
-    return replace(usual(SEED, COMBINATIONS[1:4]), instruments=Instruments(**instruments))  # type: ignore[arg-type]
+    """Two gaits of the usual robot, seen by other instruments."""
+    return replace(usual(SEED, COMBINATIONS[1:3]), instruments=Instruments(**instruments))  # type: ignore[arg-type]
 
 
 def recorded(campaign: Campaign, folder: Path) -> tuple[Recording, ...]:
@@ -117,6 +117,7 @@ def test_without_a_log_what_a_hidden_vertex_leaves_open_is_no_reading(tmp_path: 
     assert worst < 0.03, worst
 
 
+@pytest.mark.slow
 def test_without_a_log_a_hidden_vertex_says_nothing_of_the_servos(tmp_path: Path) -> None:
     blind = make(SEED, 0, protocol=protocol(log_hertz=0.0, marker_noise=4e-4))
 
@@ -136,6 +137,7 @@ def test_without_a_log_a_hidden_vertex_says_nothing_of_the_servos(tmp_path: Path
     np.testing.assert_allclose(found.noise, plays(seen).noise, rtol=0.1)
 
 
+@pytest.mark.slow
 def test_without_a_log_a_joint_that_is_never_read_has_no_name_and_is_as_it_was_told(tmp_path: Path) -> None:
     blind = make(SEED, 0, protocol=protocol(log_hertz=0.0, marker_noise=4e-4))
 
@@ -169,7 +171,7 @@ def test_without_a_log_joints_that_no_frame_shows_are_named_as_assumed(tmp_path:
         assert any("no frame shows joints 4, 5, 6" in text and "assumed" in text for text in r.remarks)
 
 
-@pytest.mark.parametrize("unseen", [(5,), (2, 5, 8), (2, 4, 6, 8, 10)])
+@pytest.mark.parametrize("unseen", [(5,), pytest.param((2, 5, 8), marks=pytest.mark.slow), (2, 4, 6, 8, 10)])
 def test_without_a_log_the_motion_begins_where_the_polygon_of_those_seen_says(
     unseen: tuple[int, ...], tmp_path: Path
 ) -> None:
@@ -179,7 +181,7 @@ def test_without_a_log_the_motion_begins_where_the_polygon_of_those_seen_says(
         assert r.time[0] == pytest.approx(trial.film.time[0], abs=2e-3)
 
 
-@pytest.mark.parametrize("vertex", [0, 5])
+@pytest.mark.parametrize("vertex", [pytest.param(0, marks=pytest.mark.slow), 5])
 def test_a_marker_that_is_never_seen_hides_nothing_else(vertex: int, tmp_path: Path) -> None:
     one = make(SEED, 0, protocol=protocol(unseen=(vertex,)))
     recordings = recorded(one, tmp_path)

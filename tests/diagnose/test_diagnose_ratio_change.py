@@ -18,7 +18,7 @@ from serpenoid.diagnose.report.summary import lines
 SEED, FEW = 61, COMBINATIONS[:2]
 
 
-@pytest.mark.parametrize("factor", [1.0, 1.15])
+@pytest.mark.parametrize("factor", [pytest.param(1.0, marks=pytest.mark.slow), 1.15])
 def test_a_ratio_that_has_changed_is_no_verdict_of_nothing(factor: float, tmp_path: Path) -> None:
     then = usual(SEED, FEW)
     write(make(SEED, [], "then", protocol=then), tmp_path / "then")

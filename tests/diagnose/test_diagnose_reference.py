@@ -19,20 +19,26 @@ from blind.protocol import usual
 from serpenoid.body import Body
 from serpenoid.cli.main import main
 from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.diagnose import Diagnosis, diagnose
 from serpenoid.diagnose.inference.finding import Named, Stage
+from serpenoid.diagnose.inference.medium import linearised
 from serpenoid.diagnose.inference.select import Selection
-from serpenoid.diagnose.reference import Reference, about, as_taken, in_other_cycles
+from serpenoid.diagnose.reference import Reference, about, as_taken, in_other_cycles, reference_of
 from serpenoid.diagnose.stages import choose_motion
 from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.values_of_motion import beside_known
+from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.errors import InputError
 from serpenoid.measure.logs import TICK
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -71,6 +77,51 @@ def test_a_camera_that_was_stretched_then_is_taken_out_and_is_no_news(tmp_path: 
     assert said["verdict"] == "nothing"
     assert [e["name"] for e in said["reference"]["effects"]] == ["camera_stretch"]
     assert "camera_stretch" in (out / "extended-model.toml").read_text()
+
+
+@pytest.fixture(scope="module")
+def earlier(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
+    folder = tmp_path_factory.mktemp("earlier")
+    write(make(61, [TOE], combinations=COMBINATIONS[:2]), folder)
+    file, recordings = read_recordings(folder)
+    return diagnose(recordings, Baseline(baseline(None, file, file.body)), lambda text: None)
+
+
+def first_errors(earlier: Diagnosis) -> tuple[np.ndarray, np.ndarray]:
+    """What the first setting's repeats were off by (2, W, 3), and which windows both of them show."""
+    model = earlier.extension.model
+    motion = about(earlier, model)
+    errors = residuals(motion.tracks, linearised(motion, model, model.effects)[1])
+    setting = motion.tracks[0].recording.setting
+    first = np.array([e for t, e in zip(motion.tracks, errors, strict=True) if t.recording.setting == setting])
+    both = np.isfinite(first).all(axis=(0, 2))
+    assert both.mean() > 0.5
+    return first, both
+
+
+def test_the_habitual_error_is_the_mean_over_repeats(earlier: Diagnosis) -> None:
+    first, both = first_errors(earlier)
+    (known,) = reference_of(earlier).explained[:1]
+    habit = known.habits[earlier.motion.selection.motion.tracks[0].recording.setting]
+    assert len(first) == 2
+    np.testing.assert_allclose(habit.error[both], first.mean(axis=0)[both], atol=1e-12)
+
+
+def test_a_reference_of_another_body_is_refused(earlier: Diagnosis) -> None:
+    lengths = [1.1 * e for e in earlier.model.body.edges_m]
+    with pytest.raises(InputError, match="another body"):
+        reference_of(earlier).check(Body(vertices=12, edge_lengths=tuple(lengths)))
+
+
+def test_a_gait_not_played_before_leaves_all_the_habitual_error_in_doubt(earlier: Diagnosis) -> None:
+    known = reference_of(earlier)
+    track = earlier.motion.selection.motion.tracks[0]
+    new = replace(track, recording=replace(track.recording, gait="new"))
+    old, fresh = known.corrected([track, new])
+    np.testing.assert_array_equal(fresh.offset, track.offset)
+    np.testing.assert_allclose(fresh.doubt[fresh.playing], np.broadcast_to(known.usual, (fresh.playing.sum(), 3)))
+    told = old.playing & first_errors(earlier)[1]
+    assert (old.doubt[told] < known.usual).all()
 
 
 GRIP = Effect("grip_saturation", None, {"saturation_speed": 0.03})
@@ -155,7 +206,9 @@ def test_less_than_the_habit_of_readings_says_nothing_of_servos(followed: tuple[
     assert stage.settled
 
 
-@pytest.mark.parametrize("between", [0.0, 0.5])  # of the way from one of the earlier readings to the next
+@pytest.mark.parametrize(
+    "between", [pytest.param(0.0, marks=pytest.mark.slow), 0.5]
+)  # of the way from one of the earlier readings to the next
 def test_noise_of_the_earlier_readings_is_no_habit_and_counts_once(
     followed: tuple[Recording, ...], between: float
 ) -> None:
@@ -240,7 +293,7 @@ def test_intervals_hold_how_far_what_was_known_of_the_same_effect_may_be_off(
     assert beside_known(other, reference.doubt_of(other.effect)) == other
 
 
-@pytest.mark.parametrize("held", [True, False])
+@pytest.mark.parametrize("held", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_rows_of_a_reference_are_as_its_own_answer_took_them(held: bool, tmp_path: Path) -> None:
     lagging, protocol = Effect("servo_lag", None, {"lag": 0.05}), replace(usual(63, COMBINATIONS[:2]), held=True)
     write(make(63, [lagging], protocol=protocol), tmp_path)

@@ -40,7 +40,9 @@ def about_eps(folder: Path, turn: float, *hidden: Effect) -> tuple[Motion, Fit]:
     return motion, fit_eps(motion, model)
 
 
-@pytest.mark.parametrize("hidden", [DRIFT, SLOPE], ids=lambda e: e.name)
+@pytest.mark.parametrize(
+    "hidden", [pytest.param(DRIFT, id=DRIFT.name), pytest.param(SLOPE, id=SLOPE.name, marks=pytest.mark.slow)]
+)
 def test_what_the_room_does_to_repeats_at_other_headings_is_no_chance(hidden: Effect, tmp_path: Path) -> None:
     """Taken for chance it hides itself: its noise is several times as large, and lasts."""
     motion, base = about_eps(tmp_path / "hidden", 2.0, hidden)
@@ -53,7 +55,7 @@ def test_what_the_room_does_to_repeats_at_other_headings_is_no_chance(hidden: Ef
     assert score(motion, fitted)[0][0].name == hidden.name
 
 
-@pytest.mark.parametrize(("turn", "block_s"), [(0.0, 0.1), (2.0, 0.1), (2.0, 1.0)])
+@pytest.mark.parametrize(("turn", "block_s"), [(0.0, 0.1), pytest.param(2.0, 0.1, marks=pytest.mark.slow), (2.0, 1.0)])
 def test_where_nothing_is_of_the_room_noise_is_that_of_the_differences(
     turn: float, block_s: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -69,7 +69,9 @@ def assert_known(named: Named, **truth: float) -> None:
         assert high - low < 0.25 * value
 
 
-@pytest.mark.parametrize(("lag", "damping"), [(0.08, 0.3), (0.05, 0.7), (0.15, 1.2)])
+@pytest.mark.parametrize(
+    ("lag", "damping"), [(0.08, 0.3), pytest.param(0.05, 0.7, marks=pytest.mark.slow), (0.15, 1.2)]
+)
 def test_servos_that_overshoot_or_creep_have_a_lag_and_a_damping(
     recordings: tuple[Recording, ...], lag: float, damping: float
 ) -> None:

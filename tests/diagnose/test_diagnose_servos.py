@@ -124,6 +124,7 @@ def test_commands_that_were_sent_late_are_taken_from_the_log(recordings: tuple[R
     assert choose_actuation(data).settled
 
 
+@pytest.mark.slow
 def test_a_saturation_of_rows_that_jump_is_named_alone(tmp_path: Path) -> None:
     hidden = Effect("speed_saturation", None, {"max_speed": 0.6})
     protocol = replace(usual(SEED, COMBINATIONS[:SETTINGS]), held=True)
@@ -153,7 +154,10 @@ def test_servos_that_lag_by_less_than_a_reading_where_rows_jump_are_no_noise(tmp
     assert low < 0.005 < high
 
 
-@pytest.mark.parametrize(("name", "place", "late"), [("servo_lag", None, 0.12), ("lagging_joint", 4, 0.02)])
+@pytest.mark.parametrize(
+    ("name", "place", "late"),
+    [pytest.param("servo_lag", None, 0.12, marks=pytest.mark.slow), ("lagging_joint", 4, 0.02)],
+)
 def test_a_lag_is_told_from_a_late_start_where_nothing_says_when_a_trial_began(
     recordings: tuple[Recording, ...], name: str, place: int | None, late: float
 ) -> None:
@@ -409,6 +413,7 @@ def test_two_joints_that_are_exchanged_in_one_trial_are_told(recordings: tuple[R
     assert said in stage.words
 
 
+@pytest.mark.slow
 def test_servos_that_tire_from_trial_to_trial_are_told(recordings: tuple[Recording, ...]) -> None:
     tired = [replace(r, position=(1 - 0.05 * (n + 1)) * r.position) for n, r in enumerate(recordings)]
     words = choose_actuation(plays(tired)).words
@@ -527,7 +532,8 @@ def test_a_gap_remembers_where_a_trial_came_to_rest_from_and_what_follows_does_n
     np.testing.assert_allclose(plain.angles[:, 1], 0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("loss", [0.15, pytest.param(0.2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("loss", [0.15, 0.2])
 def test_rows_that_run_do_so_for_servos_that_are_all_weak(loss: float, tmp_path: Path) -> None:
     """Rows that are held beside a lag come nearer to a smaller swing than rows that run."""
     weak = [Effect("gain_loss", joint, {"loss": loss}) for joint in range(1, 11)]

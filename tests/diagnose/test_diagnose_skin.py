@@ -14,9 +14,11 @@ from serpenoid.diagnose.campaign import diagnose_campaign
 VERTEX = 8
 
 
-@pytest.mark.parametrize("roughness", [1.0, -0.5])
-def test_a_crawling_robots_rough_or_smooth_link_is_named_as_its_skin(roughness: float, tmp_path: Path) -> None:
-    _campaign(tmp_path, roughness, "crawling robot")
+@pytest.mark.parametrize(("roughness", "gaits"), [(1.0, 2), (-0.5, 3)])
+def test_a_crawling_robots_rough_or_smooth_link_is_named_as_its_skin(
+    roughness: float, gaits: int, tmp_path: Path
+) -> None:
+    _campaign(tmp_path, roughness, "crawling robot", gaits)
     _, found = diagnose_campaign(tmp_path)
     assert found.verdict == "explained"
     assert [(n.effect.name, n.effect.place) for n in found.named] == [("rough_skin", VERTEX)]
@@ -36,9 +38,9 @@ def test_without_a_kind_the_same_is_a_worn_wheel(tmp_path: Path) -> None:
     assert low < eps / (1 - eps) < high
 
 
-def _campaign(folder: Path, roughness: float, kind: str | None) -> float:
+def _campaign(folder: Path, roughness: float, kind: str | None, gaits: int = 2) -> float:
     """Files of a robot of this kind with one rough vertex; its anisotropy ratio."""
-    campaign = make(5, [Effect("rough_skin", VERTEX, {"roughness": roughness})], "skin", COMBINATIONS[:4])
+    campaign = make(5, [Effect("rough_skin", VERTEX, {"roughness": roughness})], "skin", COMBINATIONS[:gaits])
     write(campaign, folder)
     file = folder / "campaign.toml"
     said = "" if kind is None else f'kind = "{kind}"\n'

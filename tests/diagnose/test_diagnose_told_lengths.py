@@ -50,6 +50,7 @@ def seen(
     return choose_observation(recordings, Observation.neutral(recordings[0].body))[0]
 
 
+@pytest.mark.slow
 def test_lengths_that_are_told_wrong_are_found_and_offsets_are_said_to_stand_for_them(tmp_path: Path) -> None:
     off = np.exp(RULER * np.random.default_rng(1).normal(size=len(SNAKE10.edges)))
     stage = seen(tmp_path / "short", [], SNAKE10.edges * off)
@@ -65,6 +66,7 @@ def test_lengths_that_are_told_wrong_are_found_and_offsets_are_said_to_stand_for
         assert float(stated) == pytest.approx(1e3 * (SNAKE10.edges * off)[int(k) - 1], abs=0.06)
 
 
+@pytest.mark.slow
 def test_lengths_that_are_told_from_head_to_tail_are_said_to_be(tmp_path: Path) -> None:
     drawn = draw_protocol(29)  # three joints, played twice, with a log
     edges = 0.15 * np.linspace(0.95, 1.05, 4)
@@ -77,7 +79,7 @@ def test_lengths_that_are_told_from_head_to_tail_are_said_to_be(tmp_path: Path) 
 @pytest.mark.parametrize(
     "hidden",
     [
-        [Effect("marker_offset", 4, {"along": 4e-3, "left": 0.0})],
+        pytest.param([Effect("marker_offset", 4, {"along": 4e-3, "left": 0.0})], marks=pytest.mark.slow),
         [Effect("marker_offset", 4, {"along": 3e-3, "left": 2e-3}), Effect("length_scale", None, {"error": 0.02})],
     ],
 )
@@ -88,6 +90,7 @@ def test_markers_beside_their_places_and_a_scale_are_what_they_are(tmp_path: Pat
     assert stage.settled, stage.words
 
 
+@pytest.mark.slow
 def test_all_markers_may_be_to_one_side(tmp_path: Path) -> None:
     hidden = [Effect("marker_offset", k, {"along": 0.0, "left": 4e-3}) for k in range(COUNT)]
     stage = seen(tmp_path / "short", hidden)
@@ -119,6 +122,7 @@ def _holds(named: Named, **true: float) -> None:
         assert high - low < 1e-3
 
 
+@pytest.mark.slow
 def test_an_axis_that_is_too_long_is_told_by_half_a_scale_beside_it(tmp_path: Path) -> None:
     stage = seen(tmp_path / "short", [], protocol=draw_protocol(29), camera=np.diag([1.01, 1.0]))
     found = {n.effect.name: n.effect.parameters for n in stage.named}
@@ -133,6 +137,7 @@ def test_no_camera_is_stretched_that_sees_all_directions_alike(tmp_path: Path) -
     assert [n.effect.name for n in stage.named] == ["length_scale"]
 
 
+@pytest.mark.slow
 def test_perspective_is_no_stretched_camera(tmp_path: Path) -> None:
     """What a stretch takes away of it is less than what it leaves."""
     made = make(3, [], "short", COMBINATIONS[:2])
@@ -156,7 +161,7 @@ def test_a_stretched_camera_and_a_wrong_link_are_told_as_both(tmp_path: Path) ->
     assert "the others are as told" in stage.mend
 
 
-@pytest.mark.parametrize("middles", [False, True])
+@pytest.mark.parametrize("middles", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_the_one_edge_that_differs_is_told_of_those_that_are_written(tmp_path: Path, middles: bool) -> None:
     """Not the whole list, nor halves of edges where drag sits in their middles."""
     protocol = draw_protocol(29)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from blind.campaign import make
 from blind.catalogue import Effect
 from blind.folder import write
@@ -32,6 +34,7 @@ def once(seed: int) -> Protocol:
     return replace(protocol, plays=1, settings=settings)
 
 
+@pytest.mark.slow
 def test_rows_that_run_are_not_taken_to_jump_and_servos_to_lag_where_markers_are_noisy(tmp_path: Path) -> None:
     """No way to take the rows is followed within a noise that is underestimated; the best is so by chance."""
     write(make(NOISY_SEED, [], "noisy", protocol=once(NOISY_SEED)), tmp_path)
@@ -40,6 +43,7 @@ def test_rows_that_run_are_not_taken_to_jump_and_servos_to_lag_where_markers_are
     assert not choose_actuation(data).named
 
 
+@pytest.mark.slow
 def test_a_law_that_first_order_scores_do_not_show_is_found_without_repeats(tmp_path: Path) -> None:
     """Two trials of one cycle each; the wheels' mount, named alone, left held-out paths astray by 41 noise levels."""
     write(make(SEED, HIDDEN, "once", protocol=once(SEED)), tmp_path)

@@ -71,7 +71,7 @@ def test_speed_without_a_clock_is_refused_at_once(tmp_path: Path) -> None:
     assert sp.load(reference, ["task.cycle_duration_s=4"], path).effects
 
 
-@pytest.mark.parametrize("verb", [["simulate"], ["solve", "--starts", "1"], ["sweep", "--c", "0,1", "--starts", "1"]])
+@pytest.mark.parametrize("verb", [["simulate"], ["solve", "--starts", "1"], ["sweep", "--c", "1", "--starts", "1"]])
 def test_an_extended_model_is_a_model_for_every_verb(
     verb: list[str], model_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -36,7 +36,7 @@ def wanted(problem: Problem, *effects: ActiveEffect) -> Problem:
     return problem.model_copy(update={"task": task, "effects": effects, "medium": medium})
 
 
-@pytest.mark.parametrize("name", OPTIMISED)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n == "creep" else []) for n in OPTIMISED])
 def test_optimum_with_an_effect_is_certified_and_no_worse_than_the_baselines(
     name: str, problem: Problem, start: EllipseGait
 ) -> None:

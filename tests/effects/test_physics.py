@@ -89,7 +89,13 @@ CREEPING = {
     "power_law_drag",
     "rolling_resistance",
 }
-ACTING = [(name, law) for name in MEDIUM for law in LAWS if find(name).acts_in(law)]
+DEAR = "coulomb_plain", "coulomb_by_components"  # beside water
+ACTING = [
+    pytest.param(name, law, marks=pytest.mark.slow if name == "added_mass" and law in DEAR else [])
+    for name in MEDIUM
+    for law in LAWS
+    if find(name).acts_in(law)
+]
 
 
 def in_other_sizes(unit: str) -> float:

@@ -34,23 +34,16 @@ def entries(cache: Path) -> dict[str, int]:
     return {path.name: path.stat().st_ino for path in cache.glob("[!.]*.work")} if cache.exists() else {}
 
 
-def test_what_is_found_again_is_what_was_kept(cache, virtual_machine):
-    first = load_campaign(LAMPREY)
-    fitted = calibrate(first, snake_of(first), ("anisotropy_ratio",))
+def test_what_is_found_again_is_what_was_kept(cache, folder, virtual_machine):
+    first = load_campaign(folder)
+    fitted = calibrate(first, snake(), ("anisotropy_ratio",))
     kept = entries(cache)
-    second = load_campaign(LAMPREY)
-    again = calibrate(second, snake_of(second), ("anisotropy_ratio",))
+    second = load_campaign(folder)
+    again = calibrate(second, snake(), ("anisotropy_ratio",))
     assert entries(cache) == kept
     assert len(kept) >= 4  # campaign, trial, estimates, profile
     assert store.key(second.trials, again.together) == store.key(first.trials, fitted.together)  # to the last bit
     np.testing.assert_array_equal(again.profile, fitted.profile)
-
-
-def snake_of(campaign):
-    from serpenoid.model import Model
-
-    assert campaign.file.medium is not None
-    return Model(campaign.body, campaign.file.medium.guessed())
 
 
 def test_values_of_every_kind_come_back(cache):

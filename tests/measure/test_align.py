@@ -297,7 +297,7 @@ def test_of_a_long_record_that_ends_amid_motion_a_part_of_its_rows_chooses_the_s
 
 def test_records_whose_best_shift_leaves_no_row_in_common_have_no_offset():
     """A film in milliseconds: between two of its frames lies all that a log tells."""
-    time = np.arange(0.0, 12.0, 0.01)
+    time = np.arange(0.0, 3.0, 0.01)
     angles = np.stack([np.sin(1.3 * time), np.cos(1.3 * time)], axis=1)
     found = find_offset(10_000 * time, angles, time + 50.0, angles)
     assert found is None or np.isfinite(found.correlation)

@@ -206,7 +206,7 @@ def test_a_folder_without_campaign_says_what_to_do(tmp_path):
         load_campaign(tmp_path)
 
 
-@pytest.mark.parametrize("fish", ["lamprey", "prickleback"])
+@pytest.mark.parametrize("fish", [pytest.param("lamprey", marks=pytest.mark.slow), "prickleback"])
 def test_drag_with_k_2_predicts_about_an_eighth_of_a_fish_path(fish):
     campaign = load_campaign(ROOT / "problems" / "campaigns" / f"{fish}.toml")
     assert campaign.lengths_estimated

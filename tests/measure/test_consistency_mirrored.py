@@ -32,21 +32,21 @@ def trials(rows: np.ndarray, mirrored: list[int], logs: bool, count: int = 4) ->
 
 
 @pytest.mark.parametrize("logs", [False, True])
-@pytest.mark.parametrize("mirrored", [[2], [1, 3]])
+@pytest.mark.parametrize("mirrored", [[2], pytest.param([1, 3], marks=pytest.mark.slow)])
 def test_single_films_that_are_mirrored_are_told_as_such(mirrored, logs):
     found = check(trials(UNEVEN, mirrored, logs), {"gait": UNEVEN}).contradictions
     assert [(one.trial, one.cure) for one in found] == [(f"t{k}", MIRRORED) for k in mirrored]
 
 
 def test_where_a_mirrored_film_looks_like_half_a_cycle_later_both_are_told():
-    (found,) = check(trials(HALF_TURN, [2], logs=False), {"gait": HALF_TURN}).contradictions
+    (found,) = check(trials(HALF_TURN, [2], logs=False, count=3), {"gait": HALF_TURN}).contradictions
     assert found.cure == f"{MIRRORED}; or begin the table there: the body rests in its row 20"
 
 
 @pytest.mark.parametrize("logs", [False, True])
 def test_films_that_are_all_mirrored_are_told_once_for_all(logs):
-    found = check(trials(UNEVEN, [0, 1, 2, 3], logs), {"gait": UNEVEN}).contradictions
-    assert len(found) == 4
+    found = check(trials(UNEVEN, [0, 1], logs, count=2), {"gait": UNEVEN}).contradictions
+    assert len(found) == 2
     assert all("`up_axis`" in one.cure and "this film" not in one.cure for one in found)
 
 

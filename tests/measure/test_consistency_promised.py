@@ -52,7 +52,7 @@ def test_a_joint_that_stands_still_and_was_exchanged_for_one_that_moves_is_found
     assert ["`joint_4` and `joint_5` exchanged" in one.words for one in found] == [True]
 
 
-@pytest.mark.parametrize("trials", [1, 2])
+@pytest.mark.parametrize("trials", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_a_film_that_holds_more_trials_than_one_is_told_to_be_cut(trials: int) -> None:
     schedule = Schedule(gait([0, 1, 2, 3, 4]), 3.0, 2, 0.5)
     time = np.arange(-0.5, schedule.end_s + 0.5, 1 / 50)

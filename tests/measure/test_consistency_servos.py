@@ -61,8 +61,12 @@ def test_late_servos_are_no_contradiction():
     assert seen(late, 11, 2.0).contradictions == ()
 
 
+WRONG = [*((s, f) for s in (as_told, late) for f in (0.6, 0.8, 1.25, 1.6)), (slow, 0.6), (slow, 1.6)]
+ALWAYS = [(as_told, 1.25), (late, 0.8), (late, 1.25), (slow, 0.6), (slow, 1.6)]  # the nearest that each is refused
+
+
 @pytest.mark.parametrize(
-    ("servos", "factor"), [*((s, f) for s in (as_told, late) for f in (0.6, 0.8, 1.25, 1.6)), (slow, 0.6), (slow, 1.6)]
+    ("servos", "factor"), [pytest.param(*w, marks=[] if w in ALWAYS else pytest.mark.slow) for w in WRONG]
 )
 def test_a_wrong_duration_is_refused_all_the_same(servos, factor):
     """Of servos as slow as these it must be further off: slower ones explain what is a little longer."""
@@ -84,7 +88,7 @@ def test_a_servo_log_that_ends_early_is_no_contradiction(log_s):
     assert beside(log_s, table(8)).contradictions == ()
 
 
-@pytest.mark.parametrize("log_s", [8.0, 15.5])
+@pytest.mark.parametrize("log_s", [pytest.param(8.0, marks=pytest.mark.slow), 15.5])
 def test_another_motion_in_a_servo_log_is_one_all_the_same(log_s):
     other = np.cos(2 * np.pi * (np.arange(40)[:, None] / 40 * 3 + np.random.default_rng(1).uniform(size=8)))
     assert beside(log_s, other).contradictions

@@ -30,7 +30,9 @@ def checked(cameras: Signal | None, servos: Signal | None = None, commands: Sign
     return [f"{c.kind}: {c.words}. {c.cure}" for c in check([claim], {"gait.csv": schedule().table}).contradictions]
 
 
-@pytest.mark.parametrize("stops_s", [2.2, 4.9, 6.1])
+@pytest.mark.parametrize(
+    "stops_s", [pytest.param(2.2, marks=pytest.mark.slow), pytest.param(4.9, marks=pytest.mark.slow), 6.1]
+)
 def test_a_robot_that_stops_amid_its_motion_is_told_with_the_moment(stops_s: float) -> None:
     (said,) = checked(seen(stops_s))
     assert said.startswith("stopped: ")

@@ -29,8 +29,15 @@ def trial(folder: Path, promised: int, still_s: float, pause_s: float, labels: b
     return load_campaign(folder).trials[0]
 
 
-@pytest.mark.parametrize("labels", [True, False])
-@pytest.mark.parametrize("pause_s", [0.0, 1.0])
+@pytest.mark.parametrize(
+    ("pause_s", "labels"),
+    [
+        (0.0, True),
+        (1.0, False),
+        pytest.param(0.0, False, marks=pytest.mark.slow),
+        pytest.param(1.0, True, marks=pytest.mark.slow),
+    ],
+)
 def test_a_robot_at_rest_is_no_cycle(tmp_path, pause_s, labels):
     found = trial(tmp_path, 3, 8.0, pause_s, labels)
     starts = [found.motion.time_s[passage.first] for passage in found.passages]

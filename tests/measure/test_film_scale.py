@@ -46,7 +46,13 @@ def test_without_noise_the_scale_of_links_is_exact_and_that_of_a_curve_as_its_sp
 
 
 @pytest.mark.parametrize(
-    ("points", "noise", "hidden"), [(13, 0.01, 0.0), (13, 0.04, 0.08), (21, 0.05, 0.0), (9, 0.03, 0.04)]
+    ("points", "noise", "hidden"),
+    [
+        pytest.param(13, 0.01, 0.0, marks=pytest.mark.slow),
+        (13, 0.04, 0.08),
+        pytest.param(21, 0.05, 0.0, marks=pytest.mark.slow),
+        (9, 0.03, 0.04),
+    ],
 )
 def test_noise_does_not_lengthen_an_animal_and_the_standard_error_is_what_the_scale_scatters_by(
     points: int, noise: float, hidden: float

@@ -59,6 +59,7 @@ def test_a_single_link_says_nothing_and_unknown_links_are_left_out():
     assert all_longer(Shown.of([points], unknown)) == pytest.approx(0.02, abs=0.001)
 
 
+@pytest.mark.usefixtures("virtual_machine")
 def test_a_campaign_whose_film_is_too_large_says_so_and_what_helps(tmp_path: Path):
     write_campaign(tmp_path, snake(), {"g": serpenoid_table(60)}, Laboratory(), 2, 3, cycles=1, pause_s=1.0)
     right = load_campaign(tmp_path)

@@ -30,7 +30,7 @@ def given(steps: int, elements: int) -> list[np.ndarray]:
 
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
-@pytest.mark.parametrize(("steps", "elements"), [(1, 3), (67, 5), (128, 4)])
+@pytest.mark.parametrize(("steps", "elements"), [(1, 3), pytest.param(67, 5, marks=pytest.mark.slow), (128, 4)])
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("which", ["balance", "coupled", "sensitivity"])
 def test_many_steps_at_once_are_casadis_own(which: str, law: str, steps: int, elements: int) -> None:

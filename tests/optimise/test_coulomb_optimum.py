@@ -38,8 +38,8 @@ UNEQUAL = (
 
 def test_unequal_links_on_dry_ground_are_optimised_from_every_start() -> None:
     """A plain search over forward simulations (SLSQP) reaches -0.5922 and -0.5926 from three starts."""
-    found = solve(problem(*UNEQUAL), starts=3, seed=0)
-    assert [s.status for s in found.solutions] == [Status.SOLVED] * 3
+    found = solve(problem(*UNEQUAL), starts=2, seed=0)
+    assert [s.status for s in found.solutions] == [Status.SOLVED] * 2
     assert found.best.cost < -0.588
 
 
@@ -54,12 +54,12 @@ def test_of_failed_starts_the_gait_that_goes_is_shown_and_not_the_one_that_stand
 
 def test_a_sweep_over_the_price_of_friction_is_certified_throughout() -> None:
     """Where dissipation is free the gait goes farthest, and steps are longest: 40 are 6.3 % off, 60 are 3.5 %."""
-    result = sweep(problem(*DRY, "task.steps=60"), np.linspace(0, 2, 5), starts=2, seed=1)
+    result = sweep(problem(*DRY, "task.steps=60"), np.linspace(0, 2, 3), starts=2, seed=1)
     assert all(point.solution is not None for point in result.points)
     assert (np.diff(result.dissipation) < 1e-9).all()
 
 
 def test_a_sweep_refuses_the_point_that_its_mesh_is_too_coarse_for_and_keeps_the_others() -> None:
-    result = sweep(problem(*DRY), [0.0, 2.0], starts=2, seed=1)
+    result = sweep(problem("reference-optimum", "task.steps=16"), [0.0, 2.0], starts=2, seed=1)
     assert [point.solution is not None for point in result.points] == [False, True]
     assert "depends on the number of steps" in result.points[0].message

@@ -65,9 +65,9 @@ def played(angles: Floats, factor: int) -> float:
     return simulate_joint_angles(reference(), finer).displacement
 
 
-@pytest.mark.parametrize("steps", [3, 4, 5, 50])
+@pytest.mark.parametrize("steps", [3, pytest.param(4, marks=pytest.mark.slow), 5, 50])
 def test_one_joint_goes_nowhere_whatever_coarse_steps_say(steps: int) -> None:
-    result = solve(problem(*ONE_JOINT, f"task.steps={steps}"), starts=4, seed=1)
+    result = solve(problem(*ONE_JOINT, f"task.steps={steps}"), starts=2, seed=1)
     assert not result.optima
     if steps < 5:
         assert result.best.status is Status.MESH_TOO_COARSE
@@ -107,6 +107,7 @@ def test_refining_solves_the_same_problem_on_meshes_until_one_is_fine() -> None:
     assert fine.trajectory.displacement == pytest.approx(fine.mesh.displacement, rel=1e-3)
 
 
+@pytest.mark.slow  # 27 vertices and meshes of hundreds of steps
 def test_refining_begins_with_the_best_optimum_though_its_mesh_is_too_coarse() -> None:
     """Starts that end in a worse optimum do not hide those that reach a better one."""
     found = solve(problem(*UNEVEN), starts=4, seed=0)

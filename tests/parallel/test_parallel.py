@@ -88,7 +88,11 @@ def test_a_task_that_kills_every_worker_is_given_up_with_a_sentence() -> None:
         in_order(always_dies, [(0,), (1,)], Workers(jobs=2))
 
 
-@pytest.mark.parametrize("workers", ANYWHERE, ids=["alone", "local", "cluster"])
+@pytest.mark.parametrize(
+    "workers",
+    [ANYWHERE[0], pytest.param(ANYWHERE[1], marks=pytest.mark.slow), ANYWHERE[2]],
+    ids=["alone", "local", "cluster"],
+)
 def test_what_a_task_complains_of_arrives(workers: Workers) -> None:
     with pytest.raises(InputError, match="number 1 is refused"):
         in_order(fails, [(n,) for n in range(3)], workers)
@@ -103,7 +107,9 @@ def test_who_stops_listening_stops_the_work(tmp_path: Path) -> None:
     assert len(list(tmp_path.iterdir())) == begun < 40
 
 
-@pytest.mark.parametrize("workers", ANYWHERE[1:], ids=["local", "cluster"])
+@pytest.mark.parametrize(
+    "workers", [ANYWHERE[1], pytest.param(ANYWHERE[2], marks=pytest.mark.slow)], ids=["local", "cluster"]
+)
 def test_a_task_among_others_starts_no_processes_of_its_own(workers: Workers) -> None:
     assert in_order(inner_cores, [(0,), (1,)], workers) == [[], []]
 

@@ -19,7 +19,9 @@ def overlaps(fig):
     return out, [pair for pair in combinations(range(len(boxes)), 2) if boxes[pair[0]].overlaps(boxes[pair[1]])]
 
 
-@pytest.mark.parametrize("size", [1e-4, 0.03, 7.0, 4e4])
+@pytest.mark.parametrize(
+    "size", [1e-4, pytest.param(0.03, marks=pytest.mark.slow), pytest.param(7.0, marks=pytest.mark.slow), 4e4]
+)
 @pytest.mark.parametrize("equal", [False, True])
 def test_numbers_of_any_length_have_room(size, equal):
     fig = figure(9.6, 4.6)

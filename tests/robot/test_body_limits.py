@@ -103,7 +103,9 @@ def test_no_verb_passes_a_gait_beyond_the_limit_of_its_body_unless_told_to(tmp_p
     assert "the limits of the results' body are not held" in done.stderr
 
 
-@pytest.mark.parametrize("verb", ["check", "play", "export"])
+@pytest.mark.parametrize(
+    "verb", [pytest.param("check", marks=pytest.mark.slow), "play", pytest.param("export", marks=pytest.mark.slow)]
+)
 def test_all_limits_are_told_at_once_and_a_cycle_that_keeps_them_all(tmp_path, verb):
     """The servos' limit asks for a shorter cycle than the body's: whoever plays what is said is refused no more."""
     stated(tmp_path / "slow", held=False)

@@ -61,7 +61,7 @@ def test_servos_with_one_id_all_obey_and_none_is_understood():
 @pytest.mark.usefixtures("serial_ports")
 @pytest.mark.parametrize(
     ("ids", "whole", "shared"),
-    [("1,1,1,1,1,1,1,1,1,1", 0, [1]), ("1,2,2,4,5,5,7,8,9,10", 6, [2, 5])],
+    [pytest.param("1,1,1,1,1,1,1,1,1,1", 0, [1], marks=pytest.mark.slow), ("1,2,2,4,5,5,7,8,9,10", 6, [2, 5])],
 )
 def test_scan_names_the_ids_that_are_shared_and_the_remedy(ids, whole, shared):
     process = start("robot", "emulate", "--ids", ids)

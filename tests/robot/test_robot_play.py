@@ -137,7 +137,10 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("fault", FAULTS)
+QUICK = set(FAULTS) - {"delay:4@0.6=0.3", "voltage@0.6=5.5"}  # those are as `silent` and `overheat` to the player
+
+
+@pytest.mark.parametrize("fault", [pytest.param(f, marks=[] if f in QUICK else pytest.mark.slow) for f in FAULTS])
 def test_fault_ends_with_torque_off_a_message_and_a_readable_log(tmp_path, fault):
     with emulator(tmp_path, fault) as rig:
         done = serpenoid(*play_words(write_gait(tmp_path), rig.port, tmp_path / "log", cycles=6))

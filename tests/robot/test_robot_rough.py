@@ -81,7 +81,7 @@ def test_a_servo_that_is_too_slow_is_waited_for_and_one_that_is_blocked_is_not(t
     # 0.3 rad at 0.8 s a cycle is 22 rpm at the most; with 6 rpm to be had it follows once the gait takes thrice as long
     rule = robot_file(tmp_path, 'action = "slow"\nlimit_deg = 8.0\nlag_s = 0.1')
     with emulator(tmp_path, "stuck:4@0.5=6") as rig:
-        done = play(tmp_path, rig, "--robot", rule, cycles=4)
+        done = play(tmp_path, rig, "--robot", rule, cycles=3)
         assert done.returncode == 1
         assert "played to the end, and more slowly than asked" in done.stderr, done.stderr
     assert 1.5 <= summary(tmp_path)["timing"]["tracking"]["slowed_down"] <= 4
@@ -278,7 +278,15 @@ def test_a_trial_that_has_no_room_on_the_disk_is_refused(tmp_path, monkeypatch):
         log.check_room(1000)
 
 
-@pytest.mark.parametrize("closed", [">&-", "2>&-", ">/dev/full", ">&- 2>&-"])
+@pytest.mark.parametrize(
+    "closed",
+    [
+        pytest.param(">&-", marks=pytest.mark.slow),
+        pytest.param("2>&-", marks=pytest.mark.slow),
+        ">/dev/full",
+        ">&- 2>&-",
+    ],
+)
 def test_a_closed_or_full_output_does_not_stop_the_robot_nor_hide_its_state(tmp_path, closed):
     with emulator(tmp_path) as rig:
         words = play_words(write_gait(tmp_path), rig.port, tmp_path / "log", cycles=1)

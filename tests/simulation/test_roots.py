@@ -55,7 +55,7 @@ def minima(model: Model, before: Floats, after: Floats, samples: int = 3000) -> 
 
 
 @pytest.mark.parametrize("model", BODIES.values(), ids=BODIES)
-@pytest.mark.parametrize("amplitude", [0.4, 1.0, 2.0])
+@pytest.mark.parametrize("amplitude", [0.4, pytest.param(1.0, marks=pytest.mark.slow), 2.0])
 def test_however_large_the_shape_change_the_root_is_the_minimum_with_the_least_turn(
     model: Model, amplitude: float
 ) -> None:
