@@ -45,7 +45,7 @@ def test_a_horn_that_slips_has_no_name_and_is_told_with_joint_trial_and_angle(sl
     assert float(told[1]) == pytest.approx(SLIP, abs=3e-3)  # a marker's noise, averaged
     assert told[2] == slipped[FIRST].name
     assert re.search(
-        r"zero_offset at joint \d would leave [67]\d% of what it does: not its law", stage.words[-1]
+        r"zero_offset at joint \d would leave [67]\d% of what it does: not its law", " ".join(stage.words)
     )  # it leaves (1/3 2/3)^(1/2) SLIP of 2/3 SLIP: 71 %
 
 

@@ -22,15 +22,17 @@ def lawful(
     effects: Callable[[E], list[ActiveEffect]],
     error: Callable[[E, ActiveEffect], float],
     without: Callable[[E, int], E],
+    shared: float = 1.0,
 ) -> tuple[E, tuple[str, ...]]:
     """Without effects that are no law of what happens, and what is said of them; the others are fitted again.
 
-    effects: an explanation's; error: what one leaves of what it does, as a share; without: one less, by index.
+    effects: an explanation's; error: what one leaves of what it does, as a share; without: one less, by index; shared:
+    the most of it that one of the whole body may leave.
     """
     refused: tuple[str, ...] = ()
     while every := effects(best):
         shares = [error(best, e) for e in every]
-        excess = [s / (1.0 if e.place is None else LAW_ERROR) for s, e in zip(shares, every, strict=True)]
+        excess = [s / (shared if e.place is None else LAW_ERROR) for s, e in zip(shares, every, strict=True)]
         worst = int(np.argmax(excess))
         if excess[worst] <= 1:
             break

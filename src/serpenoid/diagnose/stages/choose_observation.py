@@ -54,7 +54,10 @@ def choose_observation(
             break
     best = earned(best, bare, Looked.each_without, lambda f: np.inf if _another(bare, f) else f.needed)
     best = _beside_play(best, before)
-    best, refused = lawful(best, lambda f: [effect_of(f, k) for k in f.keys], _law_error, Looked.without_one)
+    best, refused = lawful(best, _effects, _law_error, Looked.without_one)
+    if _left_over(best, before)[-1] is not None:  # what the whole body shares in all trials may only mend that
+        best, more_refused = lawful(best, _effects, _law_error, Looked.without_one, shared=LAW_ERROR)
+        refused += more_refused
     beyond = _beyond_bounds(best)
     other = instead_of_effects(best)
     kept = best.keys if other is None else other.beside.keys
@@ -75,6 +78,11 @@ def choose_observation(
     first = "" if mend is None else mend.remedy
     said = Stage("observation", named, rivals, undetected, left, words, squares=squares, news=new, mend=first)
     return replace(said, divided=divided), best.now
+
+
+def _effects(found: Looked) -> list[ActiveEffect]:
+    """With their values."""
+    return [effect_of(found, key) for key in found.keys]
 
 
 def _another(bare: Looked, best: Looked) -> bool:
