@@ -125,19 +125,19 @@ def check_summary(folder):
 
 
 FAULTS = {
-    "silent:4@0.6": r"joint_4 \(ID 4\): no answer",
-    "crc:4@0.6": r"joint_4 \(ID 4\): a corrupt answer",
-    "delay:4@0.6=0.3": r"joint_4 \(ID 4\): no answer",
-    "delay:4@0.6=0.1": r"joint_4 \(ID 4\)|servo 4 failed",  # late answers meet later questions
-    "overheat:4@0.6": r"joint_4 \(ID 4\) protects itself: overheating",
-    "voltage@0.6=9.0": "battery: 9.0 V at the servos, `minimum_V` is 9.9 V",
-    "voltage@0.6=5.5": "input voltage out of its limits",
-    "reset:4@0.6": r"joint_4 \(ID 4\) has lost its torque",
-    "unplug@0.6=0.3": "the port is lost",
+    "silent:4@1.0": r"joint_4 \(ID 4\): no answer",
+    "crc:4@1.0": r"joint_4 \(ID 4\): a corrupt answer",
+    "delay:4@1.0=0.3": r"joint_4 \(ID 4\): no answer",
+    "delay:4@1.0=0.1": r"joint_4 \(ID 4\)|servo 4 failed",  # late answers meet later questions
+    "overheat:4@1.0": r"joint_4 \(ID 4\) protects itself: overheating",
+    "voltage@1.0=9.0": "battery: 9.0 V at the servos, `minimum_V` is 9.9 V",
+    "voltage@1.0=5.5": "input voltage out of its limits",
+    "reset:4@1.0": r"joint_4 \(ID 4\) has lost its torque",
+    "unplug@1.0=0.3": "the port is lost",
 }
 
 
-QUICK = set(FAULTS) - {"delay:4@0.6=0.3", "voltage@0.6=5.5"}  # those are as `silent` and `overheat` to the player
+QUICK = set(FAULTS) - {"delay:4@1.0=0.3", "voltage@1.0=5.5"}  # those are as `silent` and `overheat` to the player
 
 
 @pytest.mark.parametrize("fault", [pytest.param(f, marks=[] if f in QUICK else pytest.mark.slow) for f in FAULTS])
