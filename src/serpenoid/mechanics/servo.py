@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
@@ -154,7 +155,7 @@ def joint_sensitivity() -> ca.Function:
     def by_theta(value: ca.SX) -> ca.SX:
         return ca.jacobian(value, memory) @ carried + ca.jacobian(value, theta)
 
-    late = ca.jacobian(_late(theta), theta)
+    late = ca.jacobian(dead_time(theta), theta)
 
     def moved(value: ca.SX) -> ca.SX:
         """What is later was done before: by how much it turned until then."""
@@ -167,13 +168,11 @@ def joint_sensitivity() -> ca.Function:
     return compiled([ca.Function("joint_sensitivity", [state, *inputs], outputs, CSE)])[0]
 
 
-def _late(theta: ca.SX) -> ca.SX:
-    """By how much later [s] all is done."""
-    total, row = ca.SX(0), 0
-    for kind in actuation_effects():
-        count = len(kind.parameters) + 1
-        total, row = total + kind.late(kind.symbols(theta[row : row + count])), row + count
-    return total
+def dead_time(theta: Any) -> Any:
+    """By how much later [s] all is done that a joint with coordinates theta (P,) does: of symbols, or of numbers."""
+    rows = parameter_rows()
+    every = ((kind, {p.name: theta[rows[kind.name, p.name]] for p in kind.parameters}) for kind in actuation_effects())
+    return sum(kind.late(SimpleNamespace(**numbers)) for kind, numbers in every)
 
 
 def parameter_rows() -> dict[tuple[str, str], int]:

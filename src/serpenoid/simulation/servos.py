@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
@@ -18,7 +17,7 @@ from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import actuation_effects
 from serpenoid.errors import InputError
-from serpenoid.mechanics.servo import joint_sensitivity, memories, play
+from serpenoid.mechanics.servo import dead_time, joint_sensitivity, memories, play
 from serpenoid.model import Model
 
 CHUNK = 1000  # steps evaluated in one call
@@ -62,13 +61,8 @@ def realise_all(
 
 
 def late_by(theta: Floats) -> float:
-    """By how much later [s] servos with coordinates theta (P, m) do what they do."""
-    numbers, total, row = theta.max(axis=1), 0.0, 0  # all joints alike
-    for kind in actuation_effects():
-        names = [p.name for p in kind.parameters]
-        total += float(kind.late(SimpleNamespace(**dict(zip(names, numbers[row:], strict=False)))))
-        row += len(names) + 1
-    return total
+    """By how much later [s] servos with coordinates theta (P, m) do what they do: all joints alike."""
+    return float(dead_time(theta.max(axis=1)))
 
 
 def asked_earlier(setpoints: Floats, times: Floats, late: float) -> tuple[Floats, Floats, NDArray[np.int64]]:

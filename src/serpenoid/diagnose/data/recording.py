@@ -193,8 +193,7 @@ class Recording:
             shown = self._shown(read)
             if not shown:
                 return read
-            sources += shown
-        sources = [s.until(self.promised_s) for s in sources]
+            sources += [s.until(self.promised_s) for s in shown]
         return fitted(sources, corners, apart, self.carrier is not None or not self.by_servos, self.carrier)
 
     @property

@@ -29,9 +29,7 @@ from serpenoid.files.store import remembered
 from serpenoid.parallel import in_processes
 
 STEPS = 7
-ROUGHLY = (
-    20  # steps of candidates that share all joints: one falls where the other rises, and fits go along that valley
-)
+ROUGHLY = 20  # steps of candidates that share all joints: fits go along a valley, one falls where the other rises
 HALVINGS = 6  # of an octave: about a hundredth, of a tenth of a second as little as logs leave open
 REACH, SHRUNK = 3.0, 0.7  # of a positive scale: by how much more, and less, it is at most after one step
 RIDGE = 1e-9  # of a parameter's own slope, where two may do the same

@@ -37,7 +37,7 @@ class ByTrial:
 def law_by_trial(data: Plays, found: Sequence[ActiveEffect], suspects: Sequence[ActiveEffect]) -> ByTrial | None:
     """How the suspect that leaves least so differs from trial to trial, beside what is found; None where none does."""
     trials = len(data.recordings)
-    if trials < LEAST or not all(data.begun(r) for r in data.recordings):
+    if not suspects or trials < LEAST or not all(data.begun(r) for r in data.recordings):
         return None
     beyond = _beyond(data, data.chi2(data.realised(found)))
     every = []
