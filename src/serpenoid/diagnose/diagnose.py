@@ -142,7 +142,8 @@ def diagnose(
     climbed(steps)
     say("shape against motion")
     believed = shapes_believed(recordings, seen, observation, baseline)
-    observation = replace(observation, words=(*observation.words, *filter(None, [believed.words])))
+    words = (*observation.words, *filter(None, [believed.words]))
+    observation = replace(observation, words=words, named=(*observation.named, *believed.named))
     motion = choose_motion(believed.recordings, believed.seen, baseline, say, searched)
     baseline = motion.baseline or baseline
     motion = beside_changes(motion, (actuation, observation), baseline, seen)

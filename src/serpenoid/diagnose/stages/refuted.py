@@ -21,11 +21,12 @@ from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
 from serpenoid.diagnose.data.tracks import NoPath, tracker
-from serpenoid.diagnose.inference.finding import VISIBLE, Stage
+from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import eps_alone
 from serpenoid.diagnose.stages.marker_evidence import shown_otherwise
+from serpenoid.diagnose.stages.play_under_load import play_under_load
 from serpenoid.files.store import remembered
 from serpenoid.measure.clock import bridged
 from serpenoid.measure.links import marker_angles
@@ -38,11 +39,12 @@ MOVES = "look for markers there that move on the body"
 @dataclass(frozen=True)
 class Believed:
     """Recordings and the observation model that the motion is judged by, and what is said of shapes that are in doubt,
-    empty where none are."""
+    empty where none are; named: what gives way at joints at which markers are believed."""
 
     recordings: tuple[Recording, ...]
     seen: Observation
     words: str = ""
+    named: tuple[Named, ...] = ()
 
 
 def shapes_believed(
@@ -60,9 +62,22 @@ def shapes_believed(
     if by_readings <= by_shown:
         clear = by_readings < (1 - LAW_ERROR) * by_shown
         return replace(read, words=f"motion sides with the readings at {which}: {off}; {MOVES}") if clear else read
-    if by_shown < (1 - LAW_ERROR) * by_readings:
-        return replace(shown, words=f"motion sides with the markers at {which}: {off}; {GIVES}")
-    return replace(shown, words=f"motion is judged by the bend that markers show at {which}: {off}")
+    loose = play_under_load(recordings, seen, joints, baseline.without)
+    clear = by_shown < (1 - LAW_ERROR) * by_readings
+    sides = "motion sides with the markers" if clear else "motion is judged by the bend that markers show"
+    gives = [GIVES] if clear and len(loose) < len(joints) else []
+    words = "; ".join([f"{sides} at {which}: {off}", *_have_play(loose), *gives])
+    return replace(shown, words=words, named=loose)
+
+
+def _have_play(named: Sequence[Named]) -> list[str]:
+    """What is said of joints with play under load, if any have it."""
+    if not named:
+        return []
+    places = listed([str(n.effect.place) for n in named])
+    if len(named) == 1:
+        return [f"joint {places} has play, and load decides at which end of its gap the link lies"]
+    return [f"joints {places} have play, and load decides at which ends of their gaps the links lie"]
 
 
 def refuted(observation: Stage, joints: int) -> list[int]:

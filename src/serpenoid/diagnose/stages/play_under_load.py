@@ -1,0 +1,146 @@
+"""Play of a joint whose link lies where load pushes it, whatever its servo does.
+
+The law of `loose_joint` has the servo push its link across the gap. Where load is larger than what holds the link, it
+is the load that pushes it, to one end of the gap or to the other. No law says when; that there is play can be seen all
+the same, for what markers show beyond readings takes two values, and within trials it goes from one to the other and
+back:
+
+    d_t = e(t) + left,    e(t) one of two ends,    RMS left < LAW_ERROR RMS (d - mean d)
+
+of what lasts from frame to frame: the mean products of neighbours, in which white noise is not. An elastic link takes
+all values between (of a sine the two ends leave 0.44), a horn that slips takes a new one and keeps it, and readings
+that are off in proportion follow a line in the reading, which then leaves less than the two ends do.
+
+Legend: F frames, m joints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import t as student
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import CONFIDENCE
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.inference.finding import Named, interval
+from serpenoid.diagnose.inference.law_error import LAW_ERROR
+from serpenoid.diagnose.stages.marker_evidence import AVERAGED_S, angle_leverage, shown_otherwise
+from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.catalogue import marking
+from serpenoid.measure.links import marker_angles
+
+ROUNDS = 50  # in which two ends are found
+BACK = 0.5  # of the trials in which a link crosses its gap: in more of them it comes back
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """What markers show of a joint beyond its readings in one trial: at frames (F,) that show it [rad], and what was
+    read there; following (F - 1,): which of them have one before them that was taken next to it."""
+
+    shown: Floats
+    read: Floats
+    following: np.ndarray
+
+
+def play_under_load(
+    recordings: Sequence[Recording], seen: Observation, joints: Sequence[int], without: frozenset[str] = frozenset()
+) -> tuple[Named, ...]:
+    """Play at those of some joints (from 0) where it is what markers show beyond readings; seen: the observation model
+    beside which they show it."""
+    kind = next((k for k in marking("gaps") if k.name not in without), None)
+    if kind is None:
+        return ()
+    found = []
+    for joint in joints:
+        width = ends_of([beyond(r, seen, joint) for r in recordings])
+        if width is None:
+            continue
+        (gap,) = kind.parameters
+        value, half = width
+        half += gap.resolution
+        level = float(np.median([_level(r, joint) for r in recordings]))
+        effect = ActiveEffect.of(kind.name, joint + 1, **{gap.name: value})
+        found.append(Named(effect, {gap.name: interval((value - half, value + half))}, value / 2 / level))
+    return tuple(found)
+
+
+def _level(r: Recording, joint: int) -> float:
+    """Noise level of a joint's angle as markers show it [rad]."""
+    averaged = max(AVERAGED_S / r.frame_s, 1.0)
+    return float(r.marker_noise * angle_leverage(r.body)[joint] / np.sqrt(averaged))
+
+
+def beyond(r: Recording, seen: Observation, joint: int) -> Beyond:
+    """Of one joint in one trial, beside an observation model."""
+    told = seen.angles(r.angles, seen.begun(r.angles, marker_angles(r.body, seen.unstretched(r.markers))))
+    shown = shown_otherwise(r.body, r.markers, told, seen)[:, joint]
+    known = np.flatnonzero(np.isfinite(shown) & (r.time > 0) & (r.time < r.end))
+    return Beyond(shown[known], told[known, joint], np.diff(known) == 1)
+
+
+def ends_of(trials: Sequence[Beyond]) -> tuple[float, float] | None:
+    """Width of the gap between two ends [rad] and half of its 95 % interval, by how it scatters from trial to trial;
+    None where two ends are not what markers show."""
+    every, read = (np.concatenate([getattr(t, name) for t in trials]) for name in ("shown", "read"))
+    if len(every) < 2 or np.ptp(every) <= 0:
+        return None
+    ends = two_ends(every)
+    left = [t.shown - nearest(t.shown, ends) for t in trials]
+    moved = [t.shown - every.mean() for t in trials]
+    line = np.polynomial.Polynomial.fit(read, every, 1)
+    straight = [t.shown - line(t.read) for t in trials]
+    lasting, whole, by_line = (_lasting(x, trials) for x in (left, moved, straight))
+    if whole <= 0 or lasting >= LAW_ERROR**2 * whole or by_line <= lasting:
+        return None
+    sides = [crossings(t.shown, ends) for t in trials]
+    crossed = [n for n in sides if n]
+    if not crossed or sum(n > 1 for n in crossed) <= BACK * len(crossed):
+        return None
+    widths = [_width(t.shown, ends) for t, n in zip(trials, sides, strict=True) if n]
+    value, count = float(np.mean(widths)), len(widths)
+    spread = np.std(widths, ddof=1) / np.sqrt(count) if count > 1 else np.inf
+    return value, float(student.ppf((1 + CONFIDENCE) / 2, max(count - 1, 1)) * spread)
+
+
+def two_ends(values: Floats) -> Floats:
+    """The two values (2,) about which numbers leave least squares, from their extremes on."""
+    ends = np.quantile(values, [0.05, 0.95])
+    for _ in range(ROUNDS):
+        upper = values > ends.mean()
+        if upper.all() or not upper.any():
+            break
+        again = np.array([values[~upper].mean(), values[upper].mean()])
+        if np.array_equal(again, ends):
+            break
+        ends = again
+    return ends
+
+
+def nearest(values: Floats, ends: Floats) -> Floats:
+    """The nearer of two ends, of each number."""
+    return np.where(values > ends.mean(), ends[1], ends[0])
+
+
+def crossings(values: Floats, ends: Floats) -> int:
+    """How often numbers go from the quarter of the gap at one end to that at the other."""
+    quarter = np.ptp(ends) / 4
+    side = np.where(values > ends.mean() + quarter, 1, np.where(values < ends.mean() - quarter, -1, 0))
+    side = side[side != 0]
+    return int((np.diff(side) != 0).sum())
+
+
+def _width(values: Floats, ends: Floats) -> float:
+    """Between the medians of what lies nearer to either end."""
+    upper = values > ends.mean()
+    return float(np.median(values[upper]) - np.median(values[~upper]))
+
+
+def _lasting(parts: Sequence[Floats], trials: Sequence[Beyond]) -> float:
+    """Mean product of neighbours."""
+    products = [(x[1:] * x[:-1])[t.following] for x, t in zip(parts, trials, strict=True)]
+    return float(np.concatenate(products).mean()) if any(len(p) for p in products) else 0.0
