@@ -13,7 +13,8 @@ from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.inference.finding import Stage
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.play_under_load import Beyond, crossings, ends_of, play_under_load, two_ends
+from serpenoid.diagnose.stages.beyond_readings import Beyond
+from serpenoid.diagnose.stages.play_under_load import crossings, ends_of, play_under_load, two_ends
 from serpenoid.diagnose.stages.refuted import shapes_believed
 from serpenoid.diagnose.start import baseline
 
@@ -80,10 +81,10 @@ def test_what_is_off_in_proportion_to_the_reading_is_no_play():
     time = np.linspace(0, 4, 2000)
     bent = np.clip(6 * np.sin(2 * np.pi * time), -1.0, 1.0)
     noise = np.random.default_rng(3).normal(scale=0.01, size=(2, len(time)))
-    following = np.ones(len(time) - 1, dtype=bool)
-    too_small = Beyond(0.2 * bent + noise[0], 0.8 * bent + noise[1], following)
+    frames = np.arange(len(time))
+    too_small = Beyond(0.2 * bent + noise[0], 0.8 * bent + noise[1], frames)
     assert ends_of([too_small, too_small]) is None
-    under_load = Beyond(0.2 * bent + noise[0], np.sin(2 * np.pi * time + 1.0), following)
+    under_load = Beyond(0.2 * bent + noise[0], np.sin(2 * np.pi * time + 1.0), frames)
     assert ends_of([under_load, under_load]) is not None
 
 

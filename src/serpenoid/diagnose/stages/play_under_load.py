@@ -17,7 +17,6 @@ Legend: F frames, m joints.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import t as student
@@ -28,23 +27,12 @@ from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.finding import Named, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.stages.marker_evidence import AVERAGED_S, angle_leverage, shown_otherwise
+from serpenoid.diagnose.stages.beyond_readings import Beyond, beyond, lasting, noise_level
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import marking
-from serpenoid.measure.links import marker_angles
 
 ROUNDS = 50  # in which two ends are found
 BACK = 0.5  # of the trials in which a link crosses its gap: in more of them it comes back
-
-
-@dataclass(frozen=True)
-class Beyond:
-    """What markers show of a joint beyond its readings in one trial: at frames (F,) that show it [rad], and what was
-    read there; following (F - 1,): which of them have one before them that was taken next to it."""
-
-    shown: Floats
-    read: Floats
-    following: np.ndarray
 
 
 def play_under_load(
@@ -63,24 +51,10 @@ def play_under_load(
         (gap,) = kind.parameters
         value, half = width
         half += gap.resolution
-        level = float(np.median([_level(r, joint) for r in recordings]))
+        level = float(np.median([noise_level(r, joint) for r in recordings]))
         effect = ActiveEffect.of(kind.name, joint + 1, **{gap.name: value})
         found.append(Named(effect, {gap.name: interval((value - half, value + half))}, value / 2 / level))
     return tuple(found)
-
-
-def _level(r: Recording, joint: int) -> float:
-    """Noise level of a joint's angle as markers show it [rad]."""
-    averaged = max(AVERAGED_S / r.frame_s, 1.0)
-    return float(r.marker_noise * angle_leverage(r.body)[joint] / np.sqrt(averaged))
-
-
-def beyond(r: Recording, seen: Observation, joint: int) -> Beyond:
-    """Of one joint in one trial, beside an observation model."""
-    told = seen.angles(r.angles, seen.begun(r.angles, marker_angles(r.body, seen.unstretched(r.markers))))
-    shown = shown_otherwise(r.body, r.markers, told, seen)[:, joint]
-    known = np.flatnonzero(np.isfinite(shown) & (r.time > 0) & (r.time < r.end))
-    return Beyond(shown[known], told[known, joint], np.diff(known) == 1)
 
 
 def ends_of(trials: Sequence[Beyond]) -> tuple[float, float] | None:
@@ -94,8 +68,8 @@ def ends_of(trials: Sequence[Beyond]) -> tuple[float, float] | None:
     moved = [t.shown - every.mean() for t in trials]
     line = np.polynomial.Polynomial.fit(read, every, 1)
     straight = [t.shown - line(t.read) for t in trials]
-    lasting, whole, by_line = (_lasting(x, trials) for x in (left, moved, straight))
-    if whole <= 0 or lasting >= LAW_ERROR**2 * whole or by_line <= lasting:
+    about, whole, by_line = (lasting(x, trials) for x in (left, moved, straight))
+    if whole <= 0 or about >= LAW_ERROR**2 * whole or by_line <= about:
         return None
     sides = [crossings(t.shown, ends) for t in trials]
     crossed = [n for n in sides if n]
@@ -138,9 +112,3 @@ def _width(values: Floats, ends: Floats) -> float:
     """Between the medians of what lies nearer to either end."""
     upper = values > ends.mean()
     return float(np.median(values[upper]) - np.median(values[~upper]))
-
-
-def _lasting(parts: Sequence[Floats], trials: Sequence[Beyond]) -> float:
-    """Mean product of neighbours."""
-    products = [(x[1:] * x[:-1])[t.following] for x, t in zip(parts, trials, strict=True)]
-    return float(np.concatenate(products).mean()) if any(len(p) for p in products) else 0.0

@@ -25,6 +25,7 @@ from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import eps_alone
+from serpenoid.diagnose.stages.elastic import elastic
 from serpenoid.diagnose.stages.marker_evidence import shown_otherwise
 from serpenoid.diagnose.stages.play_under_load import play_under_load
 from serpenoid.files.store import remembered
@@ -63,11 +64,22 @@ def shapes_believed(
         clear = by_readings < (1 - LAW_ERROR) * by_shown
         return replace(read, words=f"motion sides with the readings at {which}: {off}; {MOVES}") if clear else read
     loose = play_under_load(recordings, seen, joints, baseline.without)
+    others = [j for j in joints if j + 1 not in {n.effect.place for n in loose}]
+    springy = elastic(recordings, shown.recordings, seen, others)
     clear = by_shown < (1 - LAW_ERROR) * by_readings
     sides = "motion sides with the markers" if clear else "motion is judged by the bend that markers show"
-    gives = [GIVES] if clear and len(loose) < len(joints) else []
-    words = "; ".join([f"{sides} at {which}: {off}", *_have_play(loose), *gives])
+    gives = [GIVES] if clear and not loose and not springy else []
+    words = "; ".join([f"{sides} at {which}: {off}", *_have_play(loose), *_are_elastic(springy), *gives])
     return replace(shown, words=words, named=loose)
+
+
+def _are_elastic(joints: Sequence[tuple[int, float]]) -> list[str]:
+    """What is said of joints that give way in proportion to load, and what of it load does not make."""
+    return [
+        f"joint {joint + 1} gives way in proportion to the torque that drag makes there, but for {share:.0%}: look for "
+        "an elastic link, horn or bracket"
+        for joint, share in joints
+    ]
 
 
 def _have_play(named: Sequence[Named]) -> list[str]:

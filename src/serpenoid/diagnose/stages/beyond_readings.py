@@ -1,0 +1,47 @@
+"""What markers show of a joint beyond what its servo reads, trial by trial, and how much of it lasts.
+
+Legend: F frames, m joints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.stages.marker_evidence import AVERAGED_S, angle_leverage, shown_otherwise
+from serpenoid.measure.links import marker_angles
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """At frames (F,) that show it [rad], and what was read there; frames: which of the trial's they are."""
+
+    shown: Floats
+    read: Floats
+    frames: np.ndarray
+
+
+def beyond(r: Recording, seen: Observation, joint: int) -> Beyond:
+    """Of one joint in one trial, beside an observation model."""
+    told = seen.angles(r.angles, seen.begun(r.angles, marker_angles(r.body, seen.unstretched(r.markers))))
+    shown = shown_otherwise(r.body, r.markers, told, seen)[:, joint]
+    known = np.flatnonzero(np.isfinite(shown) & (r.time > 0) & (r.time < r.end))
+    return Beyond(shown[known], told[known, joint], known)
+
+
+def lasting(parts: Sequence[Floats], trials: Sequence[Beyond]) -> float:
+    """Mean product of numbers (F,) of each trial and those of the frame before: their mean square, without white
+    noise."""
+    products = [(x[1:] * x[:-1])[np.diff(t.frames) == 1] for x, t in zip(parts, trials, strict=True)]
+    return float(np.concatenate(products).mean()) if any(len(p) for p in products) else 0.0
+
+
+def noise_level(r: Recording, joint: int) -> float:
+    """Of a joint's angle [rad] as averaged markers show it."""
+    averaged = max(AVERAGED_S / r.frame_s, 1.0)
+    return float(r.marker_noise * angle_leverage(r.body)[joint] / np.sqrt(averaged))
