@@ -1,12 +1,13 @@
 """Joints that give way in proportion to the torque that drag makes there: an elastic part between servo and link.
 
-    d_t = a tau_side(t) + b tau_along(t) + c + left,    RMS left < LAW_ERROR RMS (d - mean d),    a > 0
+    d_t = a tau_side(t) + b tau_along(t) + c + s theta'(t) + left,    a > 0,    RMS left < LAW_ERROR RMS left without tau
 
-d: what markers show of the joint beyond its readings; tau: the torque about the joint of linear drag sideways and along
-at the vertices on its shorter side, by speeds over the time that poses are averaged over. b / a is eps, which is not
-known yet. RMS: of what lasts from frame to frame. No effect of the catalogue has such a joint, so it is told in words.
+d: what markers show of the joint beyond its readings theta; tau: the torque about the joint of linear drag sideways and
+along at the vertices on its shorter side, by speeds over the time that poses are averaged over. b / a is eps, which is
+not known yet. s: what the clocks of a trial are off by; where all joints give way, clocks are laid over what these
+share. RMS: of what lasts from frame to frame. No effect of the catalogue has such a joint, so it is told in words.
 
-Legend: F frames, N vertices, m joints.
+Legend: F frames, N vertices, m joints, T trials.
 """
 
 from __future__ import annotations
@@ -37,28 +38,38 @@ def elastic(
     found = []
     acting = [torques(r, seen) for r in shown]
     for joint in joints:
-        share = unexplained([beyond(r, seen, joint) for r in recordings], [x[:, joint] for x in acting])
+        trials = [beyond(r, seen, joint) for r in recordings]
+        speeds = [np.gradient(r.angles[:, joint], r.time) for r in recordings]
+        share = unexplained(trials, [x[:, joint] for x in acting], speeds)
         if share < LAW_ERROR:
             found.append((joint, share))
     return found
 
 
-def unexplained(trials: Sequence[Beyond], acting: Sequence[Floats]) -> float:
-    """How much of what markers show in each trial is not in proportion to torques (all frames, 2), as a share of its
-    RMS; 1 where a joint would give way against the load."""
-    by = [np.column_stack([x[t.frames], np.ones(len(t.frames))]) for t, x in zip(trials, acting, strict=True)]
-    known = [np.isfinite(x).all(axis=1) for x in by]
-    rows, every = (
-        np.concatenate([x[k] for x, k in zip(of, known, strict=True)]) for of in (by, [t.shown for t in trials])
-    )
-    if len(every) <= rows.shape[1]:
-        return 1.0
-    numbers = np.linalg.lstsq(rows, every, rcond=None)[0]
-    left = [np.where(k, t.shown - x @ numbers, 0.0) for t, x, k in zip(trials, by, known, strict=True)]
-    whole = lasting([t.shown - every.mean() for t in trials], trials)
+def unexplained(trials: Sequence[Beyond], acting: Sequence[Floats], speeds: Sequence[Floats]) -> float:
+    """How much of what markers show in each trial is not in proportion to torques (all frames, 2), as a share of the
+    RMS that clocks leave beside a reading's speeds (all frames,); 1 where a joint would give way against the load."""
+    clocks = np.eye(len(trials))
+    alone = [
+        np.column_stack([np.ones(len(t.frames)), np.outer(speed[t.frames], own)])
+        for t, speed, own in zip(trials, speeds, clocks, strict=True)
+    ]
+    with_load = [np.column_stack([x[t.frames], rest]) for t, x, rest in zip(trials, acting, alone, strict=True)]
+    known = [np.isfinite(x).all(axis=1) for x in with_load]
+    (by_clocks, _), (left, numbers) = (_left(trials, x, known) for x in (alone, with_load))
+    whole = lasting(by_clocks, trials)
     if whole <= 0 or numbers[0] <= 0:
         return 1.0
     return float(np.sqrt(max(lasting(left, trials), 0.0) / whole))
+
+
+def _left(trials: Sequence[Beyond], rows: Sequence[Floats], known: Sequence[np.ndarray]) -> tuple[list[Floats], Floats]:
+    """What least squares leave of each trial by columns (F, C), 0 where these are not known, and their numbers (C,)."""
+    some = np.concatenate([x[k] for x, k in zip(rows, known, strict=True)])
+    every = np.concatenate([t.shown[k] for t, k in zip(trials, known, strict=True)])
+    numbers = np.linalg.lstsq(some, every, rcond=None)[0]
+    left = [np.where(k, t.shown - x @ numbers, 0.0) for t, x, k in zip(trials, rows, known, strict=True)]
+    return left, numbers
 
 
 def torques(r: Recording, seen: Observation) -> Floats:

@@ -74,12 +74,15 @@ def shapes_believed(
 
 
 def _are_elastic(joints: Sequence[tuple[int, float]]) -> list[str]:
-    """What is said of joints that give way in proportion to load, and what of it load does not make."""
-    return [
-        f"joint {joint + 1} gives way in proportion to the torque that drag makes there, but for {share:.0%}: look for "
-        "an elastic link, horn or bracket"
-        for joint, share in joints
-    ]
+    """What is said of joints that give way in proportion to load, if any do, and what of it load does not make."""
+    if not joints:
+        return []
+    which, least = listed([str(joint + 1) for joint, _ in joints]), max(share for _, share in joints)
+    if len(joints) == 1:
+        return [f"joint {which} gives way in proportion to the torque that drag makes there, but for {least:.0%}: look "
+                "for an elastic link, horn or bracket"]  # fmt: skip
+    return [f"joints {which} give way in proportion to the torques that drag makes there, but for {least:.0%} at most: "
+            "look for elastic links, horns or brackets"]  # fmt: skip
 
 
 def _have_play(named: Sequence[Named]) -> list[str]:
