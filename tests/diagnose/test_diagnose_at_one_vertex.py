@@ -43,8 +43,8 @@ def pulled(rng: np.random.Generator, robot: Robot) -> tuple[Effect, World]:
 
 
 def selected(folder: Path, hide: str | Sequence[Effect], named: str, base: Sequence[Effect] = ()) -> Selection:
-    """One name, fitted to three gaits, whatever it is worth."""
-    write(make(31, hide, "one", COMBINATIONS[:3], base=base), folder)
+    """One name, fitted to two gaits, whatever it is worth."""
+    write(make(31, hide, "one", COMBINATIONS[:2], base=base), folder)
     file, recordings = read_recordings(folder)
     known = Baseline(baseline(None, file, file.body))
     tracks = make_tracks(recordings, known.observation(), known.model)

@@ -20,7 +20,7 @@ SEED = 611
 FLOORS = 0.2, 0.28
 
 
-def diagnosed(folder: Path, other: Callable[[int], bool], settings: int = 2) -> Diagnosis:
+def diagnosed(folder: Path, other: Callable[[int], bool], settings: int = 1) -> Diagnosis:
     """Of a healthy robot, some of whose trials (by number) were played on another floor."""
     protocol = usual(SEED, COMBINATIONS[:settings])
     here, there = (make(SEED, [], protocol=replace(protocol, eps=eps)) for eps in FLOORS)

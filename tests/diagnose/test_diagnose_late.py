@@ -15,7 +15,7 @@ from serpenoid.diagnose.diagnose import Diagnosis, diagnose
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline
 
-SETTINGS = 2
+SETTINGS = 1
 
 
 @pytest.fixture

@@ -34,8 +34,8 @@ SEED = 21
 
 
 def protocol(**instruments: object) -> Protocol:
-    """Two gaits of the usual robot, seen by other instruments."""
-    return replace(usual(SEED, COMBINATIONS[1:3]), instruments=Instruments(**instruments))  # type: ignore[arg-type]
+    """One gait of the usual robot, played twice, seen by other instruments."""
+    return replace(usual(SEED, COMBINATIONS[1:2]), instruments=Instruments(**instruments))  # type: ignore[arg-type]
 
 
 def recorded(campaign: Campaign, folder: Path) -> tuple[Recording, ...]:
@@ -171,7 +171,9 @@ def test_without_a_log_joints_that_no_frame_shows_are_named_as_assumed(tmp_path:
         assert any("no frame shows joints 4, 5, 6" in text and "assumed" in text for text in r.remarks)
 
 
-@pytest.mark.parametrize("unseen", [(5,), pytest.param((2, 5, 8), marks=pytest.mark.slow), (2, 4, 6, 8, 10)])
+@pytest.mark.parametrize(
+    "unseen", [*(pytest.param(k, marks=pytest.mark.slow) for k in ((5,), (2, 5, 8))), (2, 4, 6, 8, 10)]
+)
 def test_without_a_log_the_motion_begins_where_the_polygon_of_those_seen_says(
     unseen: tuple[int, ...], tmp_path: Path
 ) -> None:

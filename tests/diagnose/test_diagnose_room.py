@@ -21,7 +21,7 @@ from serpenoid.diagnose.inference.ranking import score
 from serpenoid.diagnose.inference.room import chance
 from serpenoid.diagnose.inference.select import calibrated
 
-SEED, SETTINGS = 5, 3
+SEED, SETTINGS = 5, 2
 DRIFT = Effect("frame_drift", None, {"velocity_x": 3e-3, "velocity_y": -4e-3})
 SLOPE = Effect("slope", None, {"pull_x": 5e-3, "pull_y": -4e-3})
 
