@@ -115,7 +115,7 @@ def test_names_and_places_are_drawn_uniformly() -> None:
 
 
 def test_an_experiment_is_played_in_the_same_world() -> None:
-    c = make(SEED, [Effect("toe", None, {"angle": 0.1})])
+    c = make(SEED, [Effect("toe", None, {"angle": 0.1})], combinations=COMBINATIONS[:3])
     longer = with_experiment(c, c.trials[4].setting.plan.table, 4.0)
     assert len(longer.trials) == len(c.trials) + 2
     assert longer.world is c.world
@@ -127,7 +127,7 @@ def test_nothing_in_the_folder_tells(tmp_path: Path) -> None:
     folders = []
     for i, hide in enumerate((0, [Effect("slope", None, {"pull_x": 0.004, "pull_y": 0.0})])):
         folder = tmp_path / str(i) / "id"
-        write(make(SEED, hide, "id"), folder)
+        write(make(SEED, hide, "id", COMBINATIONS[:3]), folder)
         folders.append(folder)
     a, b = (sorted(p.relative_to(f) for p in f.rglob("*")) for f in folders)
     assert a == b
