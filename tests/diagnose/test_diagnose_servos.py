@@ -42,11 +42,21 @@ from serpenoid.simulation.servos import realise_all
 SEED = 71
 
 
+def healthy(folder: Path, gaits: int) -> tuple[Recording, ...]:
+    write(make(SEED, [], combinations=COMBINATIONS[:gaits]), folder)
+    return read_recordings(folder)[1]
+
+
 @pytest.fixture(scope="module")
 def recordings(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, ...]:
-    folder = tmp_path_factory.mktemp("servos")
-    write(make(SEED, [], combinations=COMBINATIONS[:2]), folder)
-    return read_recordings(folder)[1]
+    """Two trials of one gait."""
+    return healthy(tmp_path_factory.mktemp("servos"), 1)
+
+
+@pytest.fixture(scope="module")
+def four(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, ...]:
+    """Two trials of each of two gaits."""
+    return healthy(tmp_path_factory.mktemp("four"), 2)
 
 
 def test_shapes_about_what_is_commanded_keep_corners_and_cross_a_hole() -> None:
@@ -181,7 +191,7 @@ def test_a_lag_is_told_from_a_late_start_where_nothing_says_when_a_trial_began(
     assert high - low < 0.2 * lag
 
 
-def test_a_start_that_labels_leave_open_moves_corners_and_is_no_lag(recordings: tuple[Recording, ...]) -> None:
+def test_a_start_that_labels_leave_open_moves_corners_and_is_no_lag(four: tuple[Recording, ...]) -> None:
     """Rows of 60 ms on straight lines, a log of 25 Hz whose labels say when they were due to 5 ms: moved to first
     order, every corner is missed by as much, which passed for noise, or a lag took a part of it away."""
     rng, late = np.random.default_rng(6), [0.0048, -0.0042, 0.003, -0.001]
@@ -195,7 +205,7 @@ def test_a_start_that_labels_leave_open_moves_corners_and_is_no_lag(recordings: 
             r, schedule=schedule, log_time=time, position=position, commands=None, told=None, t0_spread=0.005
         )
 
-    data = plays([read(r, t) for r, t in zip(recordings, late, strict=True)])
+    data = plays([read(r, t) for r, t in zip(four, late, strict=True)])
     assert not any(r.begins_known for r in data.recordings)
     stage = choose_actuation(data)
     assert not stage.named
@@ -414,8 +424,8 @@ def test_two_joints_that_are_exchanged_in_one_trial_are_told(recordings: tuple[R
 
 
 @pytest.mark.slow
-def test_servos_that_tire_from_trial_to_trial_are_told(recordings: tuple[Recording, ...]) -> None:
-    tired = [replace(r, position=(1 - 0.05 * (n + 1)) * r.position) for n, r in enumerate(recordings)]
+def test_servos_that_tire_from_trial_to_trial_are_told(four: tuple[Recording, ...]) -> None:
+    tired = [replace(r, position=(1 - 0.05 * (n + 1)) * r.position) for n, r in enumerate(four)]
     words = choose_actuation(plays(tired)).words
     first, last = tired[0].name, tired[-1].name
     said = f"moves less from trial to trial: 0.95 times as far as told in `{first}`, 0.80 times in `{last}`"

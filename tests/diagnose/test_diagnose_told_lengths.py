@@ -150,6 +150,7 @@ def test_perspective_is_no_stretched_camera(tmp_path: Path) -> None:
     assert not stage.settled
 
 
+@pytest.mark.slow  # each by itself: above and below
 def test_a_stretched_camera_and_a_wrong_link_are_told_as_both(tmp_path: Path) -> None:
     off = np.where(np.arange(len(SNAKE10.edges)) == 2, 1.03, 1.0)
     stage = seen(tmp_path / "short", [], SNAKE10.edges * off, camera=np.diag([1.01, 1.0]), gaits=2)
