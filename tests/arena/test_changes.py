@@ -143,8 +143,8 @@ def test_a_displaced_marker_is_off_its_axis():
     "change",
     [
         {"magnet": {"x_m": 0.3, "y_m": 0.1, "force_N": 3.0}},
-        {"tether": {"stiffness": 20.0, "length_m": 0.05}},
-        {"gust": {"force_y_N": 8.0, "begin_s": 1.0}},
+        pytest.param({"tether": {"stiffness": 20.0, "length_m": 0.05}}, marks=pytest.mark.slow),
+        pytest.param({"gust": {"force_y_N": 8.0, "begin_s": 1.0}}, marks=pytest.mark.slow),
     ],
 )
 def test_pulls_from_outside_the_catalogue_move_the_robot(change, healthy):

@@ -66,6 +66,9 @@ def test_a_pull_at_one_vertex_is_no_slope_and_the_vertex_is_said(
     assert f"at vertex {PULLED} alone" in found.words
 
 
-@pytest.mark.parametrize("base", [[], [GRIP]], ids=["known floor", "a law that is missing"])
+@pytest.mark.parametrize(
+    "base",
+    [pytest.param([], id="known floor", marks=pytest.mark.slow), pytest.param([GRIP], id="a law that is missing")],
+)
 def test_a_slope_pulls_at_every_vertex(base: list[Effect], tmp_path: Path) -> None:
     assert not at_one_vertex(selected(tmp_path, [SLOPE], "slope", base))

@@ -142,8 +142,8 @@ def test_markers_of_held_out_gaits_are_best_predicted_with_the_hidden_effect(hid
     assert min(left, key=lambda k: left[k]) == (hidden.name, hidden.place)
 
 
-# one of each kind always: of one vertex, of directions, of the floor, of time
-ALWAYS = "worn_wheel", "left_right_asymmetry", "friction_patch", "inertia"
+# one of each kind always: of one vertex, of the floor, of time
+ALWAYS = "worn_wheel", "friction_patch", "inertia"
 MOTIONS = [pytest.param(e, id=e.name, marks=[] if e.name in ALWAYS else pytest.mark.slow) for e in MOTION]
 
 

@@ -257,7 +257,9 @@ def test_one_rate_of_the_clock_serves_all_trials(tmp_path: Path) -> None:
     assert rates.pop() == pytest.approx(rate, abs=1e-3)
 
 
-@pytest.mark.parametrize("tools", [{"frames_per_second": 25.0}, {"marker_noise": 1e-3}])
+@pytest.mark.parametrize(
+    "tools", [pytest.param({"frames_per_second": 25.0}, marks=pytest.mark.slow), {"marker_noise": 1e-3}]
+)
 def test_windows_are_usable_and_no_quieter_than_their_markers(tools: dict[str, float], tmp_path: Path) -> None:
     campaign = make(SEED, 0, protocol=protocol(**tools))
     write(campaign, tmp_path)
@@ -291,6 +293,7 @@ def test_boundaries_at_which_no_marker_is_seen_add_no_noise(tmp_path: Path) -> N
     assert noise(tuple(map(late, recordings))) == pytest.approx(noise(recordings), rel=0.3)
 
 
+@pytest.mark.slow  # as of a hundred thousand cycles: above
 def test_a_cycle_that_the_recording_does_not_show_is_said(tmp_path: Path) -> None:
     write(make(SEED, 0, protocol=protocol()), tmp_path)
     file = tmp_path / "campaign.toml"

@@ -70,7 +70,8 @@ def assert_known(named: Named, **truth: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("lag", "damping"), [(0.08, 0.3), pytest.param(0.05, 0.7, marks=pytest.mark.slow), (0.15, 1.2)]
+    ("lag", "damping"),
+    [(0.08, 0.3), *(pytest.param(*law, marks=pytest.mark.slow) for law in ((0.05, 0.7), (0.15, 1.2)))],
 )
 def test_servos_that_overshoot_or_creep_have_a_lag_and_a_damping(
     recordings: tuple[Recording, ...], lag: float, damping: float
@@ -90,7 +91,7 @@ def test_servos_that_ring_after_every_row_that_jumps_have_inertia(tmp_path: Path
     assert_known(named, **hidden.parameters)
 
 
-@pytest.mark.parametrize("lag", [0.02, 0.1])
+@pytest.mark.parametrize("lag", [0.02, pytest.param(0.1, marks=pytest.mark.slow)])
 def test_servos_of_first_order_have_a_lag_and_no_damping(recordings: tuple[Recording, ...], lag: float) -> None:
     """Of which a lag is the limit: it fits no better, for one more number, and is no rival."""
     servos = logged(recordings, lambda time, told: lagged(time, told, np.full(len(time) - 1, lag)))

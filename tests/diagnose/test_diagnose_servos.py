@@ -315,7 +315,10 @@ def test_a_fault_of_one_servo_that_is_no_law_of_the_catalogue_gets_no_name(
 
 @pytest.mark.parametrize(
     ("by_servos", "noise", "is_off"),
-    [(True, "the reading's noise", "reads"), (False, "the noise of the bend that markers show", "is bent")],
+    [
+        (True, "the reading's noise", "reads"),
+        pytest.param(False, "the noise of the bend that markers show", "is bent", marks=pytest.mark.slow),
+    ],
 )
 def test_what_a_joint_is_always_off_by_is_told_in_degrees(
     recordings: tuple[Recording, ...], by_servos: bool, noise: str, is_off: str
