@@ -83,7 +83,13 @@ def test_repeated_trials_differ_as_in_a_laboratory(null: Campaign) -> None:
     assert 1e-5 < abs(ends[0] - ends[1]) < 0.03
 
 
-@pytest.mark.parametrize("name", CATALOGUE)
+# one of each kind always: of servos, of what is seen, of one vertex, of directions, of the floor, of the law, of time
+ALWAYS = ("servo_lag", "servo_inertia", "speed_saturation", "backlash", "stuck_joint", "zero_offset", "marker_sway",
+          "camera_stretch", "clock_offset", "position_jumps", "worn_wheel", "left_right_asymmetry", "slope",
+          "friction_patch", "rolling_resistance", "inertia")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[] if n in ALWAYS else pytest.mark.slow) for n in CATALOGUE])
 def test_every_effect_leaves_a_trace_in_the_files(name: str, null: Campaign) -> None:
     kind = CATALOGUE[name]
     rng = np.random.default_rng(3)

@@ -87,7 +87,7 @@ def strays(motion: Motion, predictions: list[Any], after: float) -> bool:
     return after > noise.farthest * noise.level_m
 
 
-@pytest.mark.parametrize("time", [0.1, 0.5, 2.0])
+@pytest.mark.parametrize("time", [0.1, pytest.param(0.5, marks=pytest.mark.slow), 2.0])
 def test_covariance_is_that_of_pushes_and_of_poses_in_common(time: float) -> None:
     rng = np.random.default_rng(0)
     motion, _ = campaign(0, time, cycles=1, settings=1)
