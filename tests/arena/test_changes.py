@@ -99,9 +99,8 @@ def test_a_wrong_zero_shows_in_the_markers_and_not_in_the_reading():
     assert np.degrees(np.abs(np.delete(off, 2)).max()) < 0.3
 
 
-def test_a_loose_joint_plays_behind_the_servos_back():
+def test_a_loose_joint_plays_behind_the_servos_back(healthy):
     result = run(changed(loose_joint={"joint": 5, "play_deg": 8.0}))
-    healthy = run()
     spread = [
         max(abs(bends(m) - r)[4] for m, r in zip(x.paths[1:], x.readings, strict=True)) for x in (result, healthy)
     ]

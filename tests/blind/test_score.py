@@ -226,6 +226,7 @@ diagnosis["next_experiment"] = {"joint_table": "next.csv", "cycle_duration_s": 4
 """
 
 
+@pytest.mark.slow  # three campaigns, of a kind of study that is seldom run
 def test_the_proposed_experiment_is_played_beside_a_random_gait(tmp_path: Path) -> None:
     script = tmp_path / "undecided.py"
     script.write_text(UNDECIDED)

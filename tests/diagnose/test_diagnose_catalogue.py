@@ -105,7 +105,7 @@ def test_every_effect_is_tried() -> None:
     assert {e.name for e in (*SERVOS, *MARKERS, *MOTION, JUMPS, CLOCK)} == set(catalogue()) - numbers
 
 
-FOLLOWED = "backlash", "lagging_joint"  # others: test_diagnose_servos.py, test_diagnose_servo_inertia.py, and here
+FOLLOWED = ("backlash",)  # others: test_diagnose_servos.py, test_diagnose_servo_inertia.py, and here
 
 
 @pytest.mark.parametrize(

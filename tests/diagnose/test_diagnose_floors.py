@@ -46,6 +46,7 @@ def test_another_floor_in_some_gaits_is_told_by_its_ratio(tmp_path: Path) -> Non
     assert any("an anisotropy ratio of its own in each trial" in w for w in found.words)
 
 
+@pytest.mark.slow  # "nothing", as of the other healthy robots
 def test_trials_on_one_floor_differ_by_chance(tmp_path: Path) -> None:
     found = diagnosed(tmp_path, lambda i: False)
     assert found.verdict == "nothing"

@@ -332,7 +332,7 @@ def damaged(angles: np.ndarray, kind: str, rng: np.random.Generator) -> np.ndarr
 @pytest.mark.parametrize("joints", [1, *(pytest.param(n, marks=pytest.mark.slow) for n in (3, 8)), 20])
 def test_a_damaged_robot_is_no_contradiction(kind, joints):
     """Over sizes, frame rates, marker noise, damage; the shapes alone, without any log."""
-    for seed in range(2):
+    for seed in range(1 if joints in (1, 20) else 2):
         rng = np.random.default_rng([seed, joints])
         tables = {f"gait-{k}": varied(rng, joints) for k in range(5)}
         rate, noise = rng.choice([25.0, 60.0, 250.0]), rng.choice([0.002, 0.01, 0.04])

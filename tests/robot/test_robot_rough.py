@@ -221,6 +221,7 @@ def test_messages_keep_their_dots(tmp_path):
     assert "battery..\n" not in refused
 
 
+@pytest.mark.slow  # every byte in its order: test_servo_models.py; an unplugged robot: test_robot_play.py
 def test_watchdogs_are_armed_before_torque_so_that_an_unplugged_robot_stops_itself(tmp_path):
     with emulator(tmp_path, "unplug@0.0") as rig:  # the moment the first servo has torque
         done = play(tmp_path, rig)
