@@ -137,7 +137,7 @@ def test_commands_that_were_sent_late_are_taken_from_the_log(recordings: tuple[R
 @pytest.mark.slow
 def test_a_saturation_of_rows_that_jump_is_named_alone(tmp_path: Path) -> None:
     hidden = Effect("speed_saturation", None, {"max_speed": 0.6})
-    protocol = replace(usual(SEED, COMBINATIONS[:1]), held=True)
+    protocol = replace(usual(SEED, COMBINATIONS[:2]), held=True)
     write(make(SEED, [hidden], protocol=protocol), tmp_path)
     data = plays(read_recordings(tmp_path)[1])
     assert data.held

@@ -94,7 +94,7 @@ def test_markers_beside_their_places_and_a_scale_are_what_they_are(tmp_path: Pat
 @pytest.mark.slow
 def test_all_markers_may_be_to_one_side(tmp_path: Path) -> None:
     hidden = [Effect("marker_offset", k, {"along": 0.0, "left": 4e-3}) for k in range(COUNT)]
-    stage = seen(tmp_path / "short", hidden)
+    stage = seen(tmp_path / "short", hidden, gaits=2)
     assert {n.effect.key for n in stage.named} == {("marker_offset", k) for k in range(COUNT)}
     np.testing.assert_allclose([n.effect.parameters["left"] for n in stage.named], 4e-3, atol=2e-4)
     assert stage.settled, stage.words
