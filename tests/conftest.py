@@ -5,9 +5,11 @@ Long checks, and further variants of what others ask, are marked `slow` and run 
 
 from __future__ import annotations
 
+import os
 import signal
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -51,6 +53,17 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if "slow" in item.keywords:
             item.add_marker(skip)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
+    """As many pieces of a task at once as this process has cores for itself: where others test as well, pieces that are
+    forked wait for one another, which takes a seventh of the processor time. Who tests that, and commands, fork."""
+    from serpenoid.parallel import limited
+
+    cores = (os.cpu_count() or 1) // int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    with nullcontext() if item.path.parent.name == "parallel" else limited(max(1, cores)):
+        return (yield)
 
 
 @pytest.fixture(autouse=True)

@@ -99,9 +99,8 @@ def test_a_wrong_zero_shows_in_the_markers_and_not_in_the_reading():
     assert np.degrees(np.abs(np.delete(off, 2)).max()) < 0.3
 
 
-def test_a_loose_joint_plays_behind_the_servos_back():
+def test_a_loose_joint_plays_behind_the_servos_back(healthy):
     result = run(changed(loose_joint={"joint": 5, "play_deg": 8.0}))
-    healthy = run()
     spread = [
         max(abs(bends(m) - r)[4] for m, r in zip(x.paths[1:], x.readings, strict=True)) for x in (result, healthy)
     ]
@@ -143,8 +142,8 @@ def test_a_displaced_marker_is_off_its_axis():
     "change",
     [
         {"magnet": {"x_m": 0.3, "y_m": 0.1, "force_N": 3.0}},
-        {"tether": {"stiffness": 20.0, "length_m": 0.05}},
-        {"gust": {"force_y_N": 8.0, "begin_s": 1.0}},
+        pytest.param({"tether": {"stiffness": 20.0, "length_m": 0.05}}, marks=pytest.mark.slow),
+        pytest.param({"gust": {"force_y_N": 8.0, "begin_s": 1.0}}, marks=pytest.mark.slow),
     ],
 )
 def test_pulls_from_outside_the_catalogue_move_the_robot(change, healthy):

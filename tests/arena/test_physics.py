@@ -141,6 +141,7 @@ def test_heading_does_not_matter(reference):
     assert moved == pytest.approx(reference.forward, rel=0.04)
 
 
+@pytest.mark.slow  # a mesh that takes long
 def test_half_the_time_step_changes_the_displacement_by_a_few_percent(reference):
     fine = ROBOT.model_copy(update={"timestep_s": ROBOT.timestep_s / 2})
     assert run(Assembly.healthy(fine), cycles=2).forward == pytest.approx(reference.forward, rel=0.04)

@@ -8,6 +8,7 @@ import pytest
 
 from serpenoid.cli.main import main
 from serpenoid.problem import load
+from serpenoid.studies import reproduce
 from serpenoid.studies.reproduce import PAPER, PAPER_S, beside_the_paper, paper_protocol
 from specimens import PROBLEMS
 
@@ -24,7 +25,10 @@ def test_the_protocol_is_the_papers():
     assert protocol.cameras.frames_per_second == 120
 
 
-def test_from_start_to_figures_and_again_without_playing(tmp_path, capsys):
+def test_from_start_to_figures_and_again_without_playing(tmp_path, capsys, monkeypatch):
+    """One cycle of the paper's three."""
+    once = lambda *asked: paper_protocol(*asked).model_copy(update={"cycles": 1})  # noqa: E731
+    monkeypatch.setattr(reproduce, "paper_protocol", once)
     words = ["reproduce", "--gaits", "1", "--trials", "1", "-j", "2", "--out", str(tmp_path / "out")]
     assert main(words) == 0
     said = capsys.readouterr().out

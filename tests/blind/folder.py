@@ -22,7 +22,7 @@ def _table(path: Path, header: str, rows: list[str]) -> None:
 
 def _rows(columns: np.ndarray, fmt: str) -> list[str]:
     line = ",".join([fmt] * columns.shape[1])
-    return [(line % tuple(row)).replace("nan", "") for row in columns]
+    return [(line % tuple(row)).replace("nan", "") for row in columns.tolist()]
 
 
 def _motion(path: Path, trial: Trial) -> None:
@@ -46,7 +46,7 @@ def _servo(path: Path, log: ServoLog, seed: int) -> None:
     rows = [
         f"{t:.5f},{phase},{cycle},{step},{line % tuple(v)}" + f",{volt:.2f}" * len(joints)
         for t, phase, cycle, step, v, volt in zip(
-            log.time, log.phase, log.cycle, log.step, values, voltage, strict=True
+            log.time.tolist(), log.phase, log.cycle, log.step, values.tolist(), voltage.tolist(), strict=True
         )
     ]
     _table(path, header, rows)

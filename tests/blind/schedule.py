@@ -94,31 +94,39 @@ def grid(plan: Plan, steps_per_cycle: int = STEPS_PER_CYCLE) -> Grid:
 def lagged(time: Floats, target: Floats, lag: Floats, held: bool = False) -> Floats:
     """q' = (target - q) / lag, exact for a target that is linear between nodes, or held until the next; lag per step
     (n,)."""
-    q = np.empty_like(target)
-    q[0] = target[0]
     h = np.diff(time)
     slope = np.zeros_like(target[1:]) if held else np.diff(target, axis=0) / h[:, None]
-    decay = np.exp(-h / lag)
-    for i in range(len(h)):
-        behind, there = lag[i] * slope[i], target[i if held else i + 1]
-        q[i + 1] = there - behind + (q[i] - target[i] + behind) * decay[i]
+    behind, decay = lag[:, None] * slope, np.exp(-h / lag).tolist()
+    ends = (target[:-1] if held else target[1:]) - behind
+    return np.column_stack([_decayed(*column, decay) for column in zip(target.T, behind.T, ends.T, strict=True)])
+
+
+def _decayed(target: Floats, behind: Floats, ends: Floats, decay: list[float]) -> list[float]:
+    """For one joint, step by step in floats, which takes a tenth of the time that arrays of one number take."""
+    q = target[:1].tolist()
+    for start, back, end, left in zip(target.tolist(), behind.tolist(), ends.tolist(), decay, strict=False):
+        q.append(end + (q[-1] - start + back) * left)
     return q
 
 
 def swung(time: Floats, target: Floats, lag: float, damping: float, held: bool = False) -> Floats:
     """(lag / 2 damping)^2 q'' + lag q' + q = target, from rest: two modes, exact for a target as in `lagged`."""
-    one, two = np.roots([(lag / (2 * damping)) ** 2, lag, 1.0]).astype(complex)
-    q, rate = np.empty_like(target), np.zeros(target.shape[1])
-    q[0] = target[0]
+    one, two = np.roots([(lag / (2 * damping)) ** 2, lag, 1.0]).astype(complex).tolist()
     h = np.diff(time)
     slope = np.zeros_like(target[1:]) if held else np.diff(target, axis=0) / h[:, None]
-    for i in range(len(h)):
-        there = target[i if held else i + 1]
-        away, speed = q[i] - target[i] + lag * slope[i], rate - slope[i]
-        first = (speed - two * away) / (one - two)
-        modes = first * np.exp(one * h[i]), (away - first) * np.exp(two * h[i])
-        q[i + 1] = there - lag * slope[i] + (modes[0] + modes[1]).real
-        rate = slope[i] + (one * modes[0] + two * modes[1]).real
+    ends = (target[:-1] if held else target[1:]) - lag * slope
+    first, second = np.exp(one * h).tolist(), np.exp(two * h).tolist()
+    q = np.empty_like(target)
+    q[0] = target[0]
+    for j in range(target.shape[1]):
+        now, rate = target[0, j].item(), 0.0
+        steps = zip(*(c[:, j].tolist() for c in (target[:-1], slope, ends)), first, second, strict=True)
+        for i, (start, ramp, end, faded, gone) in enumerate(steps):
+            away, speed = now - start + lag * ramp, rate - ramp
+            share = (speed - two * away) / (one - two)
+            modes = share * faded, (away - share) * gone
+            now, rate = end + (modes[0] + modes[1]).real, ramp + (one * modes[0] + two * modes[1]).real
+            q[i + 1, j] = now
     return q
 
 
@@ -130,21 +138,23 @@ def delayed(time: Floats, target: Floats, delay: float, held: bool = False) -> F
 
 
 def rate_limited(time: Floats, target: Floats, max_speed: float, held: bool = False) -> Floats:
-    q = np.empty_like(target)
-    q[0] = target[0]
-    for i, reach in enumerate(np.diff(time) * max_speed):
-        q[i + 1] = q[i] + np.clip(target[i if held else i + 1] - q[i], -reach, reach)
-    return q
+    ends, reach = target[:-1] if held else target[1:], (np.diff(time) * max_speed).tolist()
+    columns = []
+    for begun, column in zip(target[0].tolist(), ends.T.tolist(), strict=True):
+        q = [begun]
+        for end, far in zip(column, reach, strict=True):
+            q.append(q[-1] + min(max(end - q[-1], -far), far))
+        columns.append(q)
+    return np.array(columns).T
 
 
 def _play(target: Floats, width: float, begun: float) -> Floats:
     """The play operator for one joint: stays until the target has crossed the gap, then follows at its edge. begun:
     where in the gap it lies at first, between -1/2 and 1/2 of it."""
-    q = np.empty_like(target)
-    q[0] = target[0] + begun * width
-    for i in range(1, len(target)):
-        q[i] = min(max(q[i - 1], target[i] - width / 2), target[i] + width / 2)
-    return q
+    q = [float(target[0] + begun * width)]
+    for there in target[1:].tolist():
+        q.append(min(max(q[-1], there - width / 2), there + width / 2))
+    return np.array(q)
 
 
 def realise(g: Grid, servos: Servos, begun: Floats | None = None) -> tuple[Floats, Floats]:

@@ -83,7 +83,13 @@ def test_repeated_trials_differ_as_in_a_laboratory(null: Campaign) -> None:
     assert 1e-5 < abs(ends[0] - ends[1]) < 0.03
 
 
-@pytest.mark.parametrize("name", CATALOGUE)
+# one of each kind always: of servos, of what is seen, of one vertex, of directions, of the floor, of the law, of time
+ALWAYS = ("servo_lag", "servo_inertia", "speed_saturation", "backlash", "stuck_joint", "zero_offset", "marker_sway",
+          "camera_stretch", "clock_offset", "position_jumps", "worn_wheel", "left_right_asymmetry", "slope",
+          "friction_patch", "rolling_resistance", "inertia")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[] if n in ALWAYS else pytest.mark.slow) for n in CATALOGUE])
 def test_every_effect_leaves_a_trace_in_the_files(name: str, null: Campaign) -> None:
     kind = CATALOGUE[name]
     rng = np.random.default_rng(3)
@@ -115,7 +121,7 @@ def test_names_and_places_are_drawn_uniformly() -> None:
 
 
 def test_an_experiment_is_played_in_the_same_world() -> None:
-    c = make(SEED, [Effect("toe", None, {"angle": 0.1})])
+    c = make(SEED, [Effect("toe", None, {"angle": 0.1})], combinations=COMBINATIONS[:3])
     longer = with_experiment(c, c.trials[4].setting.plan.table, 4.0)
     assert len(longer.trials) == len(c.trials) + 2
     assert longer.world is c.world
@@ -127,7 +133,7 @@ def test_nothing_in_the_folder_tells(tmp_path: Path) -> None:
     folders = []
     for i, hide in enumerate((0, [Effect("slope", None, {"pull_x": 0.004, "pull_y": 0.0})])):
         folder = tmp_path / str(i) / "id"
-        write(make(SEED, hide, "id"), folder)
+        write(make(SEED, hide, "id", COMBINATIONS[:3]), folder)
         folders.append(folder)
     a, b = (sorted(p.relative_to(f) for p in f.rglob("*")) for f in folders)
     assert a == b

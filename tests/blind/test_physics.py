@@ -137,7 +137,7 @@ def test_moderate_strength_changes_the_path(name: str) -> None:
     assert np.abs(path(replace(NULL, **MODERATE[name])) - path(NULL))[:, :2].max() > 1e-3
 
 
-@pytest.mark.parametrize("law", [{}, {"crossover_speed": 0.05}])
+@pytest.mark.parametrize("law", [{}, pytest.param({"crossover_speed": 0.05}, marks=pytest.mark.slow)])
 def test_vanishing_inertia_approaches_the_massless_body(law: dict[str, float]) -> None:
     massless = replace(NULL, **law)
     errors = [np.abs(path(replace(massless, inertia=m)) - path(massless)).max() for m in (0.04, 0.02, 0.01)]

@@ -17,7 +17,7 @@ from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline
 
 HIDDEN = (Effect("gain_loss", 3, {"loss": 0.15}), Effect("load", 2, {"share": 0.4}))
-SETTINGS = 4  # gaits, two trials each
+SETTINGS = 3  # gaits, two trials each
 
 
 @pytest.fixture(scope="session")

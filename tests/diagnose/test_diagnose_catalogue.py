@@ -36,7 +36,7 @@ from serpenoid.medium import Medium
 from serpenoid.model import Model
 
 Key = tuple[str, int | None]
-SETTINGS = 3  # gaits, each at another duration and heading, two trials of each
+SETTINGS = 2  # gaits, each at another duration and heading, two trials of each
 SERVOS = (
     Effect("servo_lag", None, {"lag": 0.06}),
     Effect("servo_delay", None, {"delay": 0.05}),
@@ -105,7 +105,7 @@ def test_every_effect_is_tried() -> None:
     assert {e.name for e in (*SERVOS, *MARKERS, *MOTION, JUMPS, CLOCK)} == set(catalogue()) - numbers
 
 
-FOLLOWED = "servo_inertia", "stuck_joint", "backlash", "lagging_joint"  # the others: test_diagnose_servos.py and here
+FOLLOWED = ("backlash",)  # others: test_diagnose_servos.py, test_diagnose_servo_inertia.py, and here
 
 
 @pytest.mark.parametrize(
@@ -129,7 +129,7 @@ def test_a_saturation_is_found_wherever_it_lies_below_the_quickest_set_point(sha
     assert best.effect.parameters["max_speed"] == pytest.approx(share * quickest, rel=0.01)
 
 
-SEEN = "marker_sway", "length_scale"  # of one marker, of all; others: test_diagnose_observation.py
+SEEN = ("length_scale",)  # others: test_diagnose_observation.py
 
 
 @pytest.mark.parametrize(
@@ -142,14 +142,15 @@ def test_markers_of_held_out_gaits_are_best_predicted_with_the_hidden_effect(hid
     assert min(left, key=lambda k: left[k]) == (hidden.name, hidden.place)
 
 
-# one of each kind always: of one vertex, of directions, of the floor, of time
-ALWAYS = "worn_wheel", "left_right_asymmetry", "friction_patch", "inertia"
+# one of each kind always: of one vertex, of the floor, of time
+ALWAYS = "worn_wheel", "friction_patch", "inertia"
 MOTIONS = [pytest.param(e, id=e.name, marks=[] if e.name in ALWAYS else pytest.mark.slow) for e in MOTION]
 
 
 @pytest.mark.parametrize("hidden", MOTIONS)
 def test_motion_of_held_out_gaits_is_best_predicted_with_the_hidden_effect(hidden: Effect, tmp_path: Path) -> None:
-    ranked = score(*calibrated_motion(recorded(tmp_path, hidden)))
+    settings = SETTINGS if hidden.name in ALWAYS else SETTINGS + 1
+    ranked = score(*calibrated_motion(recorded(tmp_path, hidden, settings)))
     assert (ranked[0][0].name, ranked[0][0].place) == (hidden.name, hidden.place)
 
 

@@ -75,7 +75,7 @@ def test_a_healthy_robot_whose_wheels_differ_has_no_name_without_a_mark(tmp_path
 def test_a_payload_takes_the_place_of_what_all_other_vertices_lack(tmp_path: Path) -> None:
     """Forces count by shares: less weight everywhere else is a load."""
     vertex, share = 4, 0.25
-    campaign = make(6, [Effect("load", vertex, {"share": share})], "short", COMBINATIONS[:3])
+    campaign = make(6, [Effect("load", vertex, {"share": share})], "short", COMBINATIONS[:2])
     write(campaign, tmp_path)
     motion, model = windows(tmp_path, campaign.eps)
     weights, others = model.body.vertex_weights, [k for k in range(model.body.vertices) if k != vertex]

@@ -61,7 +61,7 @@ def test_a_load_too_weak_to_be_named_is_in_the_extended_model(tmp_path: Path) ->
 
 
 def test_where_nothing_is_named_the_extended_model_is_the_baseline(tmp_path: Path) -> None:
-    found = diagnosed(tmp_path, SMALL_LOAD, gaits=2)
+    found = diagnosed(tmp_path, SMALL_LOAD, gaits=1)
     assert found.verdict == "nothing"
     assert found.model.effects == ()
     assert [e["in_extended_model"] for e in record(found)["below_detection"]] == [False]

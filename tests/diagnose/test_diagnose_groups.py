@@ -44,8 +44,8 @@ def recorded(folder: Path, seed: int, *effects: Effect, gaits: int = 1) -> tuple
     return read_recordings(folder)[1]
 
 
-def motion(folder: Path, seed: int, *effects: Effect) -> MotionFinding:
-    recordings = recorded(folder, seed, *effects, gaits=2)
+def motion(folder: Path, seed: int, *effects: Effect, gaits: int = 2) -> MotionFinding:
+    recordings = recorded(folder, seed, *effects, gaits=gaits)
     _, seen = choose_observation(recordings, Observation.neutral(recordings[0].body))
     file, _ = read_recordings(folder)
     return choose_motion(recordings, seen, Baseline(baseline(None, file, file.body)), lambda text: None)
@@ -153,7 +153,7 @@ def test_what_is_too_weak_to_be_named_stays_beside_what_is(slope_and_toe: Motion
 
 
 def test_an_effect_whose_trace_others_took_over_is_listed_as_faint(tmp_path: Path) -> None:
-    found = motion(tmp_path, 951, SLOPE).selection
+    found = motion(tmp_path, 951, SLOPE, gaits=1).selection
     assert [e.name for e in found.best.effects] == ["slope"]
     slope, toe = found.best.effects[0], ActiveEffect.of("toe", angle=1e-4)
     both = fit(found.motion, found.best.model, [slope, toe], np.array([*found.best.coordinates, 1e-4]))
@@ -164,7 +164,7 @@ def test_an_effect_whose_trace_others_took_over_is_listed_as_faint(tmp_path: Pat
 
 
 def test_where_eps_is_known_it_does_not_take_the_place_of_an_effect(tmp_path: Path) -> None:
-    found = motion(tmp_path, 952, Effect("worn_wheel", 5, {"seizure": 0.7})).selection
+    found = motion(tmp_path, 952, Effect("worn_wheel", 5, {"seizure": 0.7}), gaits=1).selection
     (wheel,) = found.best.effects
     true = found.best.model.medium.anisotropy_ratio
     assert found.null.model.medium.anisotropy_ratio > 1.1 * true

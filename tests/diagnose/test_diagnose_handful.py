@@ -12,10 +12,8 @@ from blind.study import Study, run_one
 ROOT = Path(__file__).parents[2]
 
 
-QUICK = (4,)  # an effect; nothing hidden, and the rest, with --run-slow
-
-
-@pytest.mark.parametrize("index", [i if i in QUICK else pytest.param(i, marks=pytest.mark.slow) for i in range(8)])
+@pytest.mark.slow  # whole diagnoses of campaigns that are not so short: test_diagnose_reference.py, _newcomers, _skin
+@pytest.mark.parametrize("index", range(8))
 def test_the_hidden_effect_is_named(index: int, tmp_path: Path) -> None:
     command = f"{sys.executable} -m serpenoid diagnose --quiet --no-figures"
     row = run_one(Study("handful", tmp_path, str(ROOT / "problems" / "snake10.toml"), command), index)

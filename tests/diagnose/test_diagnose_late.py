@@ -15,7 +15,7 @@ from serpenoid.diagnose.diagnose import Diagnosis, diagnose
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline
 
-SETTINGS = 2
+SETTINGS = 1
 
 
 @pytest.fixture
@@ -67,6 +67,7 @@ def test_a_film_that_begins_late_is_compared_from_there_on(campaign: Path, label
         assert np.isfinite(t.poses).all()
 
 
+@pytest.mark.slow  # what is said of them: test_diagnose_protocols.py
 def test_cycles_that_were_not_played_are_no_fault_of_the_servos(campaign: Path) -> None:
     promised(campaign, 4)
     found = diagnosed(campaign)

@@ -99,8 +99,8 @@ def test_a_law_that_leaves_more_than_what_is_named_is_told_so(
 @pytest.mark.parametrize(
     ("loads", "by_itself", "searched"),
     [
-        ((), 4.0, False),  # as drag with what is named leaves less, and needs little
-        ((3,), 4.0, False),
+        pytest.param((), 4.0, False, marks=pytest.mark.slow),  # as drag with what is named leaves less, needs little
+        pytest.param((3,), 4.0, False, marks=pytest.mark.slow),
         ((1, 3), 4.0, True),
         ((1, 3), 40.0, False),  # more than a third of what drag leaves
     ],

@@ -23,9 +23,9 @@ HEAP = [WHEEL, ("load", 2), ("load", 9)]
 LAW = Effect("rolling_resistance", None, {"crossover_speed": 0.02})
 
 
-def explanations(folder: Path, law: Sequence[Effect], seizure: float = 0.5) -> tuple[Motion, list[Fit]]:
+def explanations(folder: Path, law: Sequence[Effect], seizure: float = 0.5, gaits: int = 3) -> tuple[Motion, list[Fit]]:
     """The motion of a robot with a worn wheel, and fits of the wheel, and of a heap, without the law."""
-    campaign = make(5, [*law, Effect(*WHEEL, {"seizure": seizure})], "law", COMBINATIONS[:3])
+    campaign = make(5, [*law, Effect(*WHEEL, {"seizure": seizure})], "law", COMBINATIONS[:gaits])
     write(campaign, folder)
     motion, model = windows(folder, campaign.eps)
 
@@ -67,6 +67,6 @@ def test_of_an_effect_that_is_large_all_places_are_tried_from_where_it_was_fitte
 
 
 def test_where_the_law_is_right_the_search_has_the_last_word(tmp_path: Path) -> None:
-    motion, (alone, heap) = explanations(tmp_path, [])
+    motion, (alone, heap) = explanations(tmp_path, [], gaits=2)
     assert discrepancy(motion, alone.predictions) == 0
     assert likeliest(motion, heap, [alone, heap]) is heap

@@ -37,7 +37,7 @@ def test_drag_at_the_middles_is_drag_of_the_edges() -> None:
 def smooth(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A problem file for each place of the drag, and one trial of a body with drag along its edges."""
     folder = tmp_path_factory.mktemp("smooth")
-    robot = ["--joints", "5", "--length", "0.6", "--anisotropy", str(EPS), "--yes"]
+    robot = ["--joints", "4", "--length", "0.6", "--anisotropy", str(EPS), "--yes"]
     assert main(["new", "problem", str(folder / "vertex.toml"), *robot]) == 0
     text = (folder / "vertex.toml").read_text().replace('dissipation = "vertex"', 'dissipation = "edge"')
     (folder / "edge.toml").write_text(text)
@@ -67,7 +67,7 @@ def test_what_is_diagnosed_with_drag_at_edges_can_be_simulated_and_diagnosed_aga
     assert said["verdict"] == "nothing"
     assert not said["law"]["drag_at"]
     extended = tmp_path / "out" / "extended-model.toml"
-    assert tomllib.loads(extended.read_text())["body"]["vertices"] == 13
+    assert tomllib.loads(extended.read_text())["body"]["vertices"] == 11
     one, other = (load(smooth / "edge.toml", model=model) for model in (None, str(extended)))
     assert other.body.joint_count == one.body.joint_count
     assert diagnosed(smooth, str(extended), tmp_path / "again")["verdict"] == "nothing"

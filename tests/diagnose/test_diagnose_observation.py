@@ -82,7 +82,7 @@ def test_derivatives_of_what_is_seen_are_its_differences() -> None:
 
 def test_evidence_of_some_columns_is_part_of_the_whole(tmp_path: Path) -> None:
     write(
-        make(64, [Effect("marker_offset", 3, {"along": 0.003, "left": -0.002})], combinations=COMBINATIONS[:2]),
+        make(64, [Effect("marker_offset", 3, {"along": 0.003, "left": -0.002})], combinations=COMBINATIONS[:1]),
         tmp_path,
     )
     recordings = read_recordings(tmp_path)[1]
@@ -99,12 +99,17 @@ def test_evidence_of_some_columns_is_part_of_the_whole(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("seed", "place", "width"), [(61, 4, 0.02), pytest.param(62, 10, 0.09, marks=pytest.mark.slow), (63, 1, 0.15)]
+    ("seed", "place", "width"),
+    [
+        (61, 4, 0.02),
+        pytest.param(62, 10, 0.09, marks=pytest.mark.slow),
+        pytest.param(63, 1, 0.15, marks=pytest.mark.slow),
+    ],
 )
 def test_a_loose_joint_is_named_alone_and_its_interval_covers_it(
     seed: int, place: int, width: float, tmp_path: Path
 ) -> None:
-    write(make(seed, [Effect("loose_joint", place, {"width": width})], combinations=COMBINATIONS[:3]), tmp_path)
+    write(make(seed, [Effect("loose_joint", place, {"width": width})], combinations=COMBINATIONS[:1]), tmp_path)
     recordings = read_recordings(tmp_path)[1]
     stage, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
     assert [(n.effect.name, n.effect.place) for n in stage.named] == [("loose_joint", place)]
@@ -140,7 +145,7 @@ def test_what_one_joint_does_by_itself_is_no_misfit_where_it_is_free_and_play_of
 
 @pytest.mark.parametrize("seen_as", [0.3, pytest.param(3.0, marks=pytest.mark.slow)])
 def test_a_scale_beyond_its_bound_is_no_finding(seen_as: float, tmp_path: Path) -> None:
-    write(make(64, [], combinations=COMBINATIONS[:2]), tmp_path)
+    write(make(64, [], combinations=COMBINATIONS[:1]), tmp_path)
     recordings = [replace(r, markers=seen_as * r.markers) for r in read_recordings(tmp_path)[1]]
     stage, taken_out = choose_observation(recordings, Observation.neutral(recordings[0].body))
     assert taken_out.scale == pytest.approx(seen_as - 1, rel=1e-3)
@@ -159,7 +164,7 @@ def test_a_scale_beyond_its_bound_is_no_finding(seen_as: float, tmp_path: Path) 
 )
 def test_a_displaced_marker_is_named_on_the_link_that_it_rides_on(name: str, place: int, tmp_path: Path) -> None:
     moved = {"along": 8e-3, "left": 5e-3}
-    write(make(66, [Effect(name, place, moved)], combinations=COMBINATIONS[:2]), tmp_path)
+    write(make(66, [Effect(name, place, moved)], combinations=COMBINATIONS[:1]), tmp_path)
     recordings = read_recordings(tmp_path)[1]
     stage, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
     assert [(n.effect.name, n.effect.place) for n in stage.named] == [(name, place)]
@@ -179,7 +184,7 @@ def test_markers_that_sway_with_the_bend_are_named_as_such(places: tuple[int, ..
     """Each was a pair of offsets against one another, on the link behind and on that ahead; at the head a load."""
     sway = -6e-3
     hidden = [Effect("marker_sway", place, {"sway": sway}) for place in places]
-    write(make(66, hidden, combinations=COMBINATIONS[:2]), tmp_path)
+    write(make(66, hidden, combinations=COMBINATIONS[:1]), tmp_path)
     recordings = read_recordings(tmp_path)[1]
     stage, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
     assert {n.effect.key for n in stage.named} == {("marker_sway", place) for place in places}
@@ -195,7 +200,7 @@ def test_markers_that_sway_with_the_bend_are_named_as_such(places: tuple[int, ..
 def test_a_marker_that_rides_on_both_links_at_once_follows_no_law_of_the_catalogue(tmp_path: Path) -> None:
     half = {"along": 4e-3, "left": 3e-3}
     hidden = [Effect(name, 4, half) for name in ("marker_offset", "marker_offset_ahead")]
-    write(make(66, hidden, combinations=COMBINATIONS[:2]), tmp_path)
+    write(make(66, hidden, combinations=COMBINATIONS[:1]), tmp_path)
     recordings = read_recordings(tmp_path)[1]
     stage, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
     assert {n.effect.key for n in stage.named} == {(e.name, e.place) for e in hidden}
@@ -218,7 +223,7 @@ def test_where_a_link_lies_in_its_gap_at_the_start_is_read_off_the_markers(readi
 
 def test_a_loose_joint_that_lay_against_its_stop_is_named_with_its_width(tmp_path: Path) -> None:
     loose = ActiveEffect.of("loose_joint", 5, width=0.12)
-    write(make(66, [], combinations=COMBINATIONS[:3]), tmp_path)
+    write(make(66, [], combinations=COMBINATIONS[:1]), tmp_path)
     recordings, off = read_recordings(tmp_path)[1], np.random.default_rng(2).choice([-0.06, 0.06], 3)
     at = 4
 

@@ -38,9 +38,9 @@ JUMPS = Effect("position_jumps", None, {"size": 0.035})
 DRIFT = Effect("frame_drift", None, {"velocity_x": 3e-3, "velocity_y": -3e-3})
 
 
-def fitted(folder: Path, *hidden: Effect) -> tuple[Campaign, Motion, Fit]:
+def fitted(folder: Path, *hidden: Effect, gaits: int = 2) -> tuple[Campaign, Motion, Fit]:
     """A short campaign, and a fit of what moves windows in it, from the truth on."""
-    campaign = make(5, hidden, "short", COMBINATIONS[:4])
+    campaign = make(5, hidden, "short", COMBINATIONS[:gaits])
     write(campaign, folder)
     motion, model = windows(folder, campaign.eps)
     effects = [ActiveEffect.of(e.name, e.place, **e.parameters) for e in hidden if e != JUMPS]
@@ -53,7 +53,7 @@ def fitted(folder: Path, *hidden: Effect) -> tuple[Campaign, Motion, Fit]:
     "hidden", [pytest.param(JUMPS, id=JUMPS.name, marks=pytest.mark.slow), pytest.param(DRIFT, id=DRIFT.name)]
 )
 def test_a_patch_stays_where_it_is_however_cameras_show_the_body(hidden: Effect, tmp_path: Path) -> None:
-    campaign, motion, found = fitted(tmp_path, PATCH, hidden)
+    campaign, motion, found = fitted(tmp_path, PATCH, hidden, gaits=4)
     again = placed(motion, found)
     for trial, track in zip(campaign.trials, again.tracks, strict=True):
         away = resample(track.time, trial.film.time, trial.film.jumps)

@@ -23,12 +23,11 @@ from serpenoid.group import relative
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 
-SETTINGS = 3
 WIDTH = 0.12  # rad
 
 
-def read(folder: Path, hidden: Sequence[Effect]) -> tuple[Campaign, tuple[Recording, ...]]:
-    made = make(77, hidden, combinations=COMBINATIONS[:SETTINGS])
+def read(folder: Path, hidden: Sequence[Effect], gaits: int = 1) -> tuple[Campaign, tuple[Recording, ...]]:
+    made = make(77, hidden, combinations=COMBINATIONS[:gaits])
     write(made, folder)
     return made, read_recordings(folder)[1]
 
@@ -40,7 +39,7 @@ def off(made: Campaign, recordings: Sequence[Recording]) -> float:
 
 
 def test_play_does_not_draw_clocks_aside_once_it_is_known(tmp_path: Path) -> None:
-    made, recordings = read(tmp_path, [Effect("loose_joint", 4, {"width": WIDTH})])
+    made, recordings = read(tmp_path, [Effect("loose_joint", 4, {"width": WIDTH})], gaits=3)
     _, seen = choose_observation(recordings, Observation.neutral(recordings[0].body))
     again, moved = relaid(recordings, seen)
     assert moved

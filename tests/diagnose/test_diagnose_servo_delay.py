@@ -10,7 +10,7 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.folder import write
 from blind.schedule import delayed, lagged, swung
-from diagnose.test_diagnose_servo_inertia import SEED, SETTINGS, Play, alone, logged
+from diagnose.test_diagnose_servo_inertia import SEED, Play, alone, logged
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.inference.finding import Stage
@@ -21,7 +21,7 @@ from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 @pytest.fixture(scope="module")
 def recordings(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, ...]:
     folder = tmp_path_factory.mktemp("delay")
-    write(make(SEED, [], combinations=COMBINATIONS[:SETTINGS]), folder)
+    write(make(SEED, [], combinations=COMBINATIONS[:2]), folder)
     return read_recordings(folder)[1]
 
 

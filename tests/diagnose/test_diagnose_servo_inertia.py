@@ -23,14 +23,14 @@ from serpenoid.diagnose.stages.choose_actuation import Played, _one_more, choose
 from serpenoid.effects import ActiveEffect, find
 from serpenoid.measure.logs import TICK
 
-SEED, SETTINGS = 71, 2
+SEED = 71
 Play = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 @pytest.fixture(scope="module")
 def recordings(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, ...]:
     folder = tmp_path_factory.mktemp("inertia")
-    write(make(SEED, [], combinations=COMBINATIONS[:SETTINGS]), folder)
+    write(make(SEED, [], combinations=COMBINATIONS[:2]), folder)
     return read_recordings(folder)[1]
 
 
@@ -70,7 +70,8 @@ def assert_known(named: Named, **truth: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("lag", "damping"), [(0.08, 0.3), pytest.param(0.05, 0.7, marks=pytest.mark.slow), (0.15, 1.2)]
+    ("lag", "damping"),
+    [(0.08, 0.3), *(pytest.param(*law, marks=pytest.mark.slow) for law in ((0.05, 0.7), (0.15, 1.2)))],
 )
 def test_servos_that_overshoot_or_creep_have_a_lag_and_a_damping(
     recordings: tuple[Recording, ...], lag: float, damping: float
@@ -82,7 +83,7 @@ def test_servos_that_overshoot_or_creep_have_a_lag_and_a_damping(
 
 def test_servos_that_ring_after_every_row_that_jumps_have_inertia(tmp_path: Path) -> None:
     hidden = Effect("servo_inertia", None, {"lag": 0.05, "damping": 0.4})
-    write(make(SEED, [hidden], protocol=replace(usual(SEED, COMBINATIONS[:SETTINGS]), held=True)), tmp_path)
+    write(make(SEED, [hidden], protocol=replace(usual(SEED, COMBINATIONS[:1]), held=True)), tmp_path)
     data = plays(read_recordings(tmp_path)[1])
     assert data.held
     named = alone(choose_actuation(data))
@@ -90,7 +91,7 @@ def test_servos_that_ring_after_every_row_that_jumps_have_inertia(tmp_path: Path
     assert_known(named, **hidden.parameters)
 
 
-@pytest.mark.parametrize("lag", [0.02, 0.1])
+@pytest.mark.parametrize("lag", [0.02, pytest.param(0.1, marks=pytest.mark.slow)])
 def test_servos_of_first_order_have_a_lag_and_no_damping(recordings: tuple[Recording, ...], lag: float) -> None:
     """Of which a lag is the limit: it fits no better, for one more number, and is no rival."""
     servos = logged(recordings, lambda time, told: lagged(time, told, np.full(len(time) - 1, lag)))

@@ -25,7 +25,7 @@ from serpenoid.medium import Medium
 from serpenoid.model import Model
 
 Retrack = Callable[[Model], tuple[Track, ...]]
-SETTINGS = 2  # gaits, each at another duration, two trials of each
+SETTINGS = 1  # gaits, each at another duration, two trials of each
 
 
 class Tracker:

@@ -22,7 +22,7 @@ SHARE = 0.02  # of all markers
 @pytest.fixture(scope="module")
 def recordings(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, ...]:
     folder = tmp_path_factory.mktemp("healthy")
-    write(make(SEED, [], combinations=COMBINATIONS[:2]), folder)
+    write(make(SEED, [], combinations=COMBINATIONS[:1]), folder)
     return read_recordings(folder)[1]
 
 

@@ -14,7 +14,7 @@ from serpenoid.diagnose.campaign import diagnose_campaign
 VERTEX = 8
 
 
-@pytest.mark.parametrize(("roughness", "gaits"), [(1.0, 2), (-0.5, 3)])
+@pytest.mark.parametrize(("roughness", "gaits"), [(1.0, 2), pytest.param(-0.5, 3, marks=pytest.mark.slow)])
 def test_a_crawling_robots_rough_or_smooth_link_is_named_as_its_skin(
     roughness: float, gaits: int, tmp_path: Path
 ) -> None:

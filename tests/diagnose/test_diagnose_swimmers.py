@@ -66,7 +66,7 @@ def test_hidden_added_mass_is_found_and_its_interval_covers_it(seed: int, tmp_pa
     assert found["gain"]["path_rms_m"]["after"] < 0.2 * found["gain"]["path_rms_m"]["before"]
 
 
-@pytest.mark.parametrize("kind", ["", "swimmer"])
+@pytest.mark.parametrize("kind", [pytest.param("", marks=pytest.mark.slow), "swimmer"])
 def test_windows_of_a_body_that_coasts_do_not_depend_on_the_mesh(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

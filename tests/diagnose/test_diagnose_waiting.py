@@ -33,7 +33,7 @@ def slid(r: Recording) -> Recording:
 
 
 def test_where_a_trial_begins_is_not_told_by_what_a_body_on_a_slope_did_before(tmp_path: Path) -> None:
-    campaign = make(5, [Effect("slope", None, PULL)], "short", COMBINATIONS[:2])
+    campaign = make(5, [Effect("slope", None, PULL)], "short", COMBINATIONS[:1])
     write(campaign, tmp_path)
     held = read_recordings(tmp_path)[1]
     body = held[0].body

@@ -36,7 +36,12 @@ def wanted(problem: Problem, *effects: ActiveEffect) -> Problem:
     return problem.model_copy(update={"task": task, "effects": effects, "medium": medium})
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n == "creep" else []) for n in OPTIMISED])
+# one of each kind always: of servos, shapes, one vertex, directions, the floor, the law, time
+ALWAYS = ("servo_lag", "backlash", "zero_offset", "worn_wheel", "left_right_asymmetry", "slope", "friction_patch",
+          "dry_friction", "grip_saturation", "anisotropy_drift", "inertia")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[] if n in ALWAYS else pytest.mark.slow) for n in OPTIMISED])
 def test_optimum_with_an_effect_is_certified_and_no_worse_than_the_baselines(
     name: str, problem: Problem, start: EllipseGait
 ) -> None:

@@ -27,7 +27,8 @@ def recorded(commands: bool, films: bool, filmed: np.ndarray = TIME) -> Claim:
     return Claim("t", "gait", SCHEDULE, film, Signal(TIME, read), Signal(TIME, told) if commands else None)
 
 
-LATE = (1.7, 2.5)
+EARLY, LATE, LAST = (1.7, 0.5), (1.7, 2.5), (4.6, 0.5)
+ALWAYS = [(True, True, EARLY), (True, False, LATE), (True, True, LAST), (False, False, EARLY)]
 
 
 def stepped(claim: Claim, at_s: float, seconds: float) -> Claim:
@@ -42,8 +43,8 @@ def stepped(claim: Claim, at_s: float, seconds: float) -> Claim:
 @pytest.mark.parametrize(
     ("at_s", "seconds", "films", "commands"),
     [
-        pytest.param(*step, films, commands, marks=[] if films or not commands and step != LATE else pytest.mark.slow)
-        for step in [(1.7, 0.5), LATE, (4.6, 0.5)]
+        pytest.param(*step, films, commands, marks=[] if (films, commands, step) in ALWAYS else pytest.mark.slow)
+        for step in (EARLY, LATE, LAST)
         for films in (True, False)
         for commands in (True, False)
     ],

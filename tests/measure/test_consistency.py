@@ -142,12 +142,21 @@ MARKERS = {
 
 
 # the signs, and the joints, of all are turned round one by one in other tests; rows in reverse order are a gait that is
-# played backwards but for a row
+# played backwards but for a row; another table is told with logs and without, of the rest most in one of the two ways
 TWICE = {
     ("all signs", False),
     ("joint order", False),
     ("rows in reverse order", False),
     ("rows in reverse order", True),
+    ("tail for head", False),
+    ("played backwards", False),
+    ("shifted in time", False),
+    ("one sign", False),
+    ("cycle duration halved", False),
+    ("cycle duration doubled", True),
+    ("fewer cycles", True),
+    ("a pause that was none", True),
+    ("two joints exchanged", True),
 }
 TRIED = [
     pytest.param(fault, logs, marks=pytest.mark.slow if (fault, logs) in TWICE else [])
@@ -320,10 +329,10 @@ def damaged(angles: np.ndarray, kind: str, rng: np.random.Generator) -> np.ndarr
 
 
 @pytest.mark.parametrize("kind", ["healthy", "stuck joints", "weak servos", "wrong zeros", "slow servos", "play"])
-@pytest.mark.parametrize("joints", [1, 3, pytest.param(8, marks=pytest.mark.slow), 20])
+@pytest.mark.parametrize("joints", [1, *(pytest.param(n, marks=pytest.mark.slow) for n in (3, 8)), 20])
 def test_a_damaged_robot_is_no_contradiction(kind, joints):
     """Over sizes, frame rates, marker noise, damage; the shapes alone, without any log."""
-    for seed in range(2):
+    for seed in range(1 if joints in (1, 20) else 2):
         rng = np.random.default_rng([seed, joints])
         tables = {f"gait-{k}": varied(rng, joints) for k in range(5)}
         rate, noise = rng.choice([25.0, 60.0, 250.0]), rng.choice([0.002, 0.01, 0.04])

@@ -61,7 +61,8 @@ def test_a_single_link_says_nothing_and_unknown_links_are_left_out():
 
 @pytest.mark.usefixtures("virtual_machine")
 def test_a_campaign_whose_film_is_too_large_says_so_and_what_helps(tmp_path: Path):
-    write_campaign(tmp_path, snake(), {"g": serpenoid_table(60)}, Laboratory(), 2, 3, cycles=1, pause_s=1.0)
+    lab = Laboratory(frames_per_second=60.0)
+    write_campaign(tmp_path, snake(), {"g": serpenoid_table(60)}, lab, 1, 3, cycles=1, pause_s=1.0)
     right = load_campaign(tmp_path)
     text = (tmp_path / "campaign.toml").read_text()
     stated = re.search(r"edge_lengths = \[(.*?)\]", text, re.S)

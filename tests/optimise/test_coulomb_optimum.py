@@ -36,16 +36,20 @@ UNEQUAL = (
 )  # fmt: skip
 
 
-def test_unequal_links_on_dry_ground_are_optimised_from_every_start() -> None:
+@pytest.fixture(scope="module")
+def unequal() -> MultiStart:
+    return solve(problem(*UNEQUAL), starts=2, seed=0)
+
+
+def test_unequal_links_on_dry_ground_are_optimised_from_every_start(unequal: MultiStart) -> None:
     """A plain search over forward simulations (SLSQP) reaches -0.5922 and -0.5926 from three starts."""
-    found = solve(problem(*UNEQUAL), starts=2, seed=0)
-    assert [s.status for s in found.solutions] == [Status.SOLVED] * 2
-    assert found.best.cost < -0.588
+    assert [s.status for s in unequal.solutions] == [Status.SOLVED] * 2
+    assert unequal.best.cost < -0.588
 
 
-def test_of_failed_starts_the_gait_that_goes_is_shown_and_not_the_one_that_stands() -> None:
+def test_of_failed_starts_the_gait_that_goes_is_shown_and_not_the_one_that_stands(unequal: MultiStart) -> None:
     """IPOPT's last points differ by how far they are off the equations of motion; gaits are simulated without."""
-    going = solve(problem(*UNEQUAL), starts=1, seed=0).best
+    going = unequal.best
     failed = replace(going, status=Status.NOT_CONVERGED)
     loose = replace(failed, residuals=replace(going.residuals, feasibility=1e-2))
     standing = replace(failed, cost=0.0, residuals=replace(going.residuals, feasibility=1e-4))

@@ -58,7 +58,7 @@ def test_of_a_place_out_of_reach_the_nearest_is_found() -> None:
 FAR = '{kind="reach",target=[3.0,0.0]}', '{kind="travel",least=5.0}'
 
 
-@pytest.mark.parametrize("demand", FAR)
+@pytest.mark.parametrize("demand", [pytest.param(FAR[0], marks=pytest.mark.slow), FAR[1]])
 def test_what_is_out_of_reach_is_missed_by_less_than_by_the_files_own_gait(demand: str) -> None:
     """A start that ends at rest, infeasible or not converged, is not the nearest where the file's gait comes nearer."""
     asked = problem("reference", "body.vertices=6", "medium.anisotropy_ratio=0.3", f"task.demands=[{demand}]")

@@ -69,7 +69,9 @@ def test_answers_are_equal_to_the_last_bit_wherever_tasks_run() -> None:
     assert others == [alone, alone]
 
 
-@pytest.mark.parametrize("workers", ANYWHERE[1:], ids=["local", "cluster"])
+@pytest.mark.parametrize(  # processes of this machine: tests/studies/test_many_starts.py, too
+    "workers", [pytest.param(ANYWHERE[1], marks=pytest.mark.slow), ANYWHERE[2]], ids=["local", "cluster"]
+)
 def test_a_killed_worker_loses_nothing(tmp_path: Path, workers: Workers) -> None:
     assert in_order(dies_once, [(str(tmp_path), n) for n in range(8)], workers) == [n * n for n in range(8)]
     assert (tmp_path / "died").exists()

@@ -64,7 +64,7 @@ def test_a_stuck_servo_stops_the_gait_with_torque_off_and_exit_code_1(tmp_path):
 
 def test_a_stuck_servo_that_is_only_reported_is_played_to_the_end_and_is_not_done(tmp_path):
     with emulator(tmp_path, "stuck:4@0.5") as rig:
-        done = play(tmp_path, rig, "--robot", robot_file(tmp_path, 'action = "warn"'))
+        done = play(tmp_path, rig, "--robot", robot_file(tmp_path, 'action = "warn"'), cycles=2)
         assert done.returncode == 1
         assert "strayed: played to the end, but joint_4 (ID 4) did not follow" in done.stderr
         assert not any(rig.torques)
@@ -81,7 +81,7 @@ def test_a_servo_that_is_too_slow_is_waited_for_and_one_that_is_blocked_is_not(t
     # 0.3 rad at 0.8 s a cycle is 22 rpm at the most; with 6 rpm to be had it follows once the gait takes thrice as long
     rule = robot_file(tmp_path, 'action = "slow"\nlimit_deg = 8.0\nlag_s = 0.1')
     with emulator(tmp_path, "stuck:4@0.5=6") as rig:
-        done = play(tmp_path, rig, "--robot", rule, cycles=3)
+        done = play(tmp_path, rig, "--robot", rule, cycles=2)
         assert done.returncode == 1
         assert "played to the end, and more slowly than asked" in done.stderr, done.stderr
     assert 1.5 <= summary(tmp_path)["timing"]["tracking"]["slowed_down"] <= 4
@@ -92,6 +92,7 @@ def test_a_servo_that_is_too_slow_is_waited_for_and_one_that_is_blocked_is_not(t
     assert summary(tmp_path, "blocked")["status"] == "failed"
 
 
+@pytest.mark.slow  # as test_robot_play.py asks of the gait that it plays
 def test_a_healthy_gait_says_how_well_it_was_followed(tmp_path):
     with emulator(tmp_path) as rig:
         done = play(tmp_path, rig, cycles=1)
@@ -220,6 +221,7 @@ def test_messages_keep_their_dots(tmp_path):
     assert "battery..\n" not in refused
 
 
+@pytest.mark.slow  # every byte in its order: test_servo_models.py; an unplugged robot: test_robot_play.py
 def test_watchdogs_are_armed_before_torque_so_that_an_unplugged_robot_stops_itself(tmp_path):
     with emulator(tmp_path, "unplug@0.0") as rig:  # the moment the first servo has torque
         done = play(tmp_path, rig)
@@ -283,7 +285,7 @@ def test_a_trial_that_has_no_room_on_the_disk_is_refused(tmp_path, monkeypatch):
     [
         pytest.param(">&-", marks=pytest.mark.slow),
         pytest.param("2>&-", marks=pytest.mark.slow),
-        ">/dev/full",
+        pytest.param(">/dev/full", marks=pytest.mark.slow),
         ">&- 2>&-",
     ],
 )

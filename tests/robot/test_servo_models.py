@@ -29,9 +29,8 @@ from serpenoid.robot.tracking import READINGS, Tracking
 
 ALL = list(models().values())
 EACH = pytest.mark.parametrize("servo", ALL, ids=lambda servo: servo.name)
-# the two lines of chips and a servo with two shafts; registers of all are compared with their tables in other tests
-PLAYED = [pytest.param(s, id=s.name, marks=[] if s.name in ("XL330-M288-T", "MX-106-2.0", "2XL430-W250-T") else
-                       pytest.mark.slow) for s in ALL]  # fmt: skip
+# a servo with other voltages and a current; registers of all are compared with their tables in other tests
+PLAYED = [pytest.param(s, id=s.name, marks=[] if s.name == "XL330-M288-T" else pytest.mark.slow) for s in ALL]
 XM430, XL330 = models()["XM430-W350"], models()["XL330-M288-T"]
 
 

@@ -122,7 +122,7 @@ def test_a_refined_point_is_the_optimum_of_a_finer_mesh_and_is_kept(
 
 def test_a_value_of_c_that_cannot_be_solved_is_recorded_and_the_others_go_on() -> None:
     impossible = problem(
-        "reference-optimum", "task.constraints.heading_change_rad=3.0", "task.bounds.a=[0.0, 0.5]", "task.steps=20"
+        "reference-optimum", "task.constraints.heading_change_rad=3.0", "task.bounds.a=[0.0, 0.5]", "task.steps=12"
     )
     result = sweep(impossible, (0.0, 1.0), starts=1, seed=0)
     assert result.complete
