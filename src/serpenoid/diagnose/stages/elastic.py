@@ -1,11 +1,11 @@
 """Joints that give way in proportion to the torque that drag makes there: an elastic part between servo and link.
 
-    d_t = a tau_side(t) + b tau_along(t) + c + s theta'(t) + left,    a > 0,    RMS left < LAW_ERROR RMS left without tau
+    d_t = a tau_side(t) + b tau_along(t) + c + s theta'(t) + left,    a > 0,    left < LAW_ERROR of left without tau
 
 d: what markers show of the joint beyond its readings theta; tau: the torque about the joint of linear drag sideways and
 along at the vertices on its shorter side, by speeds over the time that poses are averaged over. b / a is eps, which is
 not known yet. s: what the clocks of a trial are off by; where all joints give way, clocks are laid over what these
-share. RMS: of what lasts from frame to frame. No effect of the catalogue has such a joint, so it is told in words.
+share. Sizes are RMS of what lasts from frame to frame. No effect of the catalogue has such a joint, so it is told in words.
 
 Legend: F frames, N vertices, m joints, T trials.
 """
