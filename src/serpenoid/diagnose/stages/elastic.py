@@ -5,7 +5,8 @@
 d: what markers show of the joint beyond its readings theta; tau: the torque about the joint of linear drag sideways and
 along at the vertices on its shorter side, by speeds over the time that poses are averaged over. b / a is eps, which is
 not known yet. s: what the clocks of a trial are off by; where all joints give way, clocks are laid over what these
-share. Sizes are RMS of what lasts from frame to frame. No effect of the catalogue has such a joint, so it is told in words.
+share. Sizes are RMS of what lasts from frame to frame. No effect of the catalogue has such a joint: it is told in
+words.
 
 Legend: F frames, N vertices, m joints, T trials.
 """
