@@ -57,7 +57,7 @@ def torque_by_hand(r):
 def given_way(recordings, beyond):
     """Recordings whose servo reads less than its joint is bent by, by YIELDED in the mean of squares."""
     amounts = [beyond(r) for r in recordings]
-    size = YIELDED / np.sqrt(np.mean(np.concatenate(amounts) ** 2))
+    size = YIELDED / max(np.sqrt(np.mean(np.concatenate(amounts) ** 2)), 1e-12)
 
     def read(r, amount):
         position = r.position.copy()
@@ -92,7 +92,11 @@ def crept(r):
     return np.clip(r.time / r.end, 0.0, 1.0)
 
 
-@pytest.mark.parametrize("beyond", [against, unlike, crept])
+def nothing(r):
+    return np.zeros(len(r.time))
+
+
+@pytest.mark.parametrize("beyond", [against, unlike, crept, nothing])
 def test_what_does_otherwise_is_not(healthy, beyond):
     recordings, _ = healthy
     assert not of(given_way(recordings, beyond))

@@ -83,9 +83,10 @@ def test_what_is_off_in_proportion_to_the_reading_is_no_play():
     noise = np.random.default_rng(3).normal(scale=0.01, size=(2, len(time)))
     frames = np.arange(len(time))
     too_small = Beyond(0.2 * bent + noise[0], 0.8 * bent + noise[1], frames)
-    assert ends_of([too_small, too_small]) is None
+    assert ends_of([too_small, too_small], 0.01) is None
     under_load = Beyond(0.2 * bent + noise[0], np.sin(2 * np.pi * time + 1.0), frames)
-    assert ends_of([under_load, under_load]) is not None
+    assert ends_of([under_load, under_load], 0.01) is not None
+    assert ends_of([under_load, under_load], 0.5) is None  # below the noise level
 
 
 def test_a_catalogue_without_play_does_not_name_it(healthy):

@@ -41,7 +41,9 @@ def lasting(parts: Sequence[Floats], trials: Sequence[Beyond]) -> float:
     return float(np.concatenate(products).mean()) if any(len(p) for p in products) else 0.0
 
 
-def noise_level(r: Recording, joint: int) -> float:
-    """Of a joint's angle [rad] as averaged markers show it."""
-    averaged = max(AVERAGED_S / r.frame_s, 1.0)
-    return float(r.marker_noise * angle_leverage(r.body)[joint] / np.sqrt(averaged))
+def noise_level(recordings: Sequence[Recording], joint: int) -> float:
+    """Of a joint's angle [rad] as averaged markers show it: what lasts and is smaller is not seen."""
+    levels = [
+        r.marker_noise * angle_leverage(r.body)[joint] / np.sqrt(max(AVERAGED_S / r.frame_s, 1.0)) for r in recordings
+    ]
+    return float(np.median(levels))

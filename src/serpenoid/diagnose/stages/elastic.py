@@ -22,8 +22,9 @@ from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import placed, register, shapes
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.stages.beyond_readings import Beyond, beyond, lasting
+from serpenoid.diagnose.stages.beyond_readings import Beyond, beyond, lasting, noise_level
 from serpenoid.diagnose.stages.marker_evidence import AVERAGED_S
 
 PARABOLA = 2  # degree of the curve through successive frames, whose slope is a speed
@@ -41,15 +42,17 @@ def elastic(
     for joint in joints:
         trials = [beyond(r, seen, joint) for r in recordings]
         speeds = [np.gradient(r.angles[:, joint], r.time) for r in recordings]
-        share = unexplained(trials, [x[:, joint] for x in acting], speeds)
+        level = noise_level(recordings, joint)
+        share = unexplained(trials, [x[:, joint] for x in acting], speeds, level)
         if share < LAW_ERROR:
             found.append((joint, share))
     return found
 
 
-def unexplained(trials: Sequence[Beyond], acting: Sequence[Floats], speeds: Sequence[Floats]) -> float:
+def unexplained(trials: Sequence[Beyond], acting: Sequence[Floats], speeds: Sequence[Floats], level: float) -> float:
     """How much of what markers show in each trial is not in proportion to torques (all frames, 2), as a share of the
-    RMS that clocks leave beside a reading's speeds (all frames,); 1 where a joint would give way against the load."""
+    RMS that clocks leave beside a reading's speeds (all frames,); 1 where a joint would give way against the load, or
+    clocks leave no more than the noise level [rad]."""
     clocks = np.eye(len(trials))
     alone = [
         np.column_stack([np.ones(len(t.frames)), np.outer(speed[t.frames], own)])
@@ -59,7 +62,7 @@ def unexplained(trials: Sequence[Beyond], acting: Sequence[Floats], speeds: Sequ
     known = [np.isfinite(x).all(axis=1) for x in with_load]
     (by_clocks, _), (left, numbers) = (_left(trials, x, known) for x in (alone, with_load))
     whole = lasting(by_clocks, trials)
-    if whole <= 0 or numbers[0] <= 0:
+    if whole <= (VISIBLE * level) ** 2 or numbers[0] <= 0:
         return 1.0
     return float(np.sqrt(max(lasting(left, trials), 0.0) / whole))
 

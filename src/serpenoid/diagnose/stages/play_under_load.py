@@ -25,7 +25,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import CONFIDENCE
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.inference.finding import Named, interval
+from serpenoid.diagnose.inference.finding import VISIBLE, Named, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.stages.beyond_readings import Beyond, beyond, lasting, noise_level
 from serpenoid.effects.active import ActiveEffect
@@ -45,21 +45,21 @@ def play_under_load(
         return ()
     found = []
     for joint in joints:
-        width = ends_of([beyond(r, seen, joint) for r in recordings])
+        level = noise_level(recordings, joint)
+        width = ends_of([beyond(r, seen, joint) for r in recordings], level)
         if width is None:
             continue
         (gap,) = kind.parameters
         value, half = width
         half += gap.resolution
-        level = float(np.median([noise_level(r, joint) for r in recordings]))
         effect = ActiveEffect.of(kind.name, joint + 1, **{gap.name: value})
         found.append(Named(effect, {gap.name: interval((value - half, value + half))}, value / 2 / level))
     return tuple(found)
 
 
-def ends_of(trials: Sequence[Beyond]) -> tuple[float, float] | None:
+def ends_of(trials: Sequence[Beyond], level: float) -> tuple[float, float] | None:
     """Width of the gap between two ends [rad] and half of its 95 % interval, by how it scatters from trial to trial;
-    None where two ends are not what markers show."""
+    None where two ends are not what markers show, or all that lasts is below their noise level [rad]."""
     every, read = (np.concatenate([getattr(t, name) for t in trials]) for name in ("shown", "read"))
     if len(every) < 2 or np.ptp(every) <= 0:
         return None
@@ -69,7 +69,7 @@ def ends_of(trials: Sequence[Beyond]) -> tuple[float, float] | None:
     line = np.polynomial.Polynomial.fit(read, every, 1)
     straight = [t.shown - line(t.read) for t in trials]
     about, whole, by_line = (lasting(x, trials) for x in (left, moved, straight))
-    if whole <= 0 or about >= LAW_ERROR**2 * whole or by_line <= about:
+    if whole <= (VISIBLE * level) ** 2 or about >= LAW_ERROR**2 * whole or by_line <= about:
         return None
     sides = [crossings(t.shown, ends) for t in trials]
     crossed = [n for n in sides if n]
