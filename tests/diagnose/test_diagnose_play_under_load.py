@@ -89,6 +89,14 @@ def test_what_is_off_in_proportion_to_the_reading_is_no_play():
     assert ends_of([under_load, under_load], 0.5) is None  # below the noise level
 
 
+def test_a_joint_that_stands_still_may_have_play():
+    time = np.linspace(0, 4, 2000)
+    pushed = 0.2 * np.clip(6 * np.sin(2 * np.pi * time), -1.0, 1.0)
+    trial = Beyond(pushed, np.full(len(time), 0.3), np.arange(len(time)))
+    width, _ = ends_of([trial, trial], 0.01)
+    assert width == pytest.approx(0.4, rel=0.02)
+
+
 def test_a_catalogue_without_play_does_not_name_it(healthy):
     recordings, _ = healthy
     played = [given_way(r, under_load) for r in recordings]

@@ -32,6 +32,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import marking
 
 ROUNDS = 50  # in which two ends are found
+TINY = 1e-12  # rad^2: of joints that stand still
 BACK = 0.5  # of the trials in which a link crosses its gap: in more of them it comes back
 
 
@@ -66,8 +67,9 @@ def ends_of(trials: Sequence[Beyond], level: float) -> tuple[float, float] | Non
     ends = two_ends(every)
     left = [t.shown - nearest(t.shown, ends) for t in trials]
     moved = [t.shown - every.mean() for t in trials]
-    line = np.polynomial.Polynomial.fit(read, every, 1)
-    straight = [t.shown - line(t.read) for t in trials]
+    swing = read - read.mean()
+    slope = float(swing @ every / max(swing @ swing, TINY))
+    straight = [t.shown - every.mean() - slope * (t.read - read.mean()) for t in trials]
     about, whole, by_line = (lasting(x, trials) for x in (left, moved, straight))
     if whole <= (VISIBLE * level) ** 2 or about >= LAW_ERROR**2 * whole or by_line <= about:
         return None
