@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.signal import savgol_filter
 
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.geometry import placed, register, shapes
@@ -26,8 +25,6 @@ from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.stages.beyond_readings import Beyond, beyond, lasting, noise_level
 from serpenoid.diagnose.stages.marker_evidence import AVERAGED_S
-
-PARABOLA = 2  # degree of the curve through successive frames, whose slope is a speed
 
 
 def elastic(
@@ -80,12 +77,20 @@ def torques(r: Recording, seen: Observation) -> Floats:
     """About each joint (F, m, 2), of drag sideways and along, all of it 1 sideways; NaN where no pose is known."""
     points = shapes(r.body, r.angles)
     there = placed(points, register(points, seen.unstretched(r.markers))[0])
-    odd = max(int(round(AVERAGED_S / r.frame_s)) | 1, PARABOLA + 1)
-    moved = savgol_filter(there, odd, PARABOLA, deriv=1, delta=r.frame_s, axis=0)
+    moved = _speeds(there, max(int(AVERAGED_S / r.frame_s / 2), 1), r.frame_s)
     along = _tangents(there)
     side = np.stack([-along[..., 1], along[..., 0]], axis=-1)
     drag = [-(moved * way).sum(axis=-1, keepdims=True) * way * r.body.vertex_weights[:, None] for way in (side, along)]
     return np.stack([_about_joints(r.body, there, force) for force in drag], axis=-1)
+
+
+def _speeds(points: Floats, reach: int, frame_s: float) -> Floats:
+    """Slopes (F, N, 2) of the straight lines, or parabolas, through as many frames on either side; NaN at the ends."""
+    found, by = np.full_like(points, np.nan), np.arange(-reach, reach + 1)
+    if len(points) > 2 * reach:
+        around = np.lib.stride_tricks.sliding_window_view(points, len(by), axis=0)
+        found[reach:-reach] = around @ by / (by @ by * frame_s)
+    return found
 
 
 def _tangents(points: Floats) -> Floats:

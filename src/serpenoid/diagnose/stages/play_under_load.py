@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import CONFIDENCE
@@ -80,7 +80,7 @@ def ends_of(trials: Sequence[Beyond], level: float) -> tuple[float, float] | Non
     widths = [_width(t.shown, ends) for t, n in zip(trials, sides, strict=True) if n]
     value, count = float(np.mean(widths)), len(widths)
     spread = np.std(widths, ddof=1) / np.sqrt(count) if count > 1 else np.inf
-    return value, float(student.ppf((1 + CONFIDENCE) / 2, max(count - 1, 1)) * spread)
+    return value, float(stdtrit(max(count - 1, 1), (1 + CONFIDENCE) / 2) * spread)
 
 
 def two_ends(values: Floats) -> Floats:
