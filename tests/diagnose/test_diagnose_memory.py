@@ -128,7 +128,7 @@ def test_the_time_in_which_pushes_are_forgotten_is_told_by_repeats() -> None:
 def test_what_comes_again_in_every_cycle_is_told_by_repeats() -> None:
     """A floor that carries the body farther in one trial than in another does so in all its cycles: variance of a
     window 0.05 STEP beside PUSH and POSE."""
-    for seed in range(1):
+    for seed in range(2):
         found = campaign(seed, 0.0, cycles=12, floors=0.05)[0].noise.memory
         share = float(np.dot(found.recurring, found.weights))
         pushes = PUSH**2 * np.ones(3)
@@ -189,7 +189,7 @@ def test_pushes_that_last_for_some_windows_raise_no_doubt(time: float) -> None:
 def test_floors_that_differ_from_trial_to_trial_raise_no_doubt() -> None:
     """A window shows a third of its noise of them; strung together, windows' noise is a third of what they make."""
     doubts, ratios, alone = 0, [], 0
-    for seed in range(5):
+    for seed in range(8):
         motion, predictions = campaign(seed, 0.0, cycles=12, floors=0.05)
         after = path_error(motion, predictions)
         doubts += bool(pattern(motion, predictions, after))
@@ -198,7 +198,7 @@ def test_floors_that_differ_from_trial_to_trial_raise_no_doubt() -> None:
         alone += strays(unrepeated(forgotten), predictions, after)
     assert doubts <= 1
     assert np.median(ratios) == pytest.approx(1, abs=0.2)
-    assert alone > 3
+    assert alone > 5
 
 
 def test_what_paths_of_an_earlier_campaign_differed_by_is_chance_of_this_one() -> None:

@@ -139,7 +139,7 @@ def by_chance(rng: np.random.Generator, own: float, cycles: int, headings: tuple
 
 def test_what_trials_laid_otherwise_differ_by_in_every_cycle_is_no_chance() -> None:
     rng = np.random.default_rng(2)
-    assert sum(untold(*by_chance(rng, 0.0, cycles=3)) is not None for _ in range(40)) <= 2  # 1/3 % of 40
+    assert sum(untold(*by_chance(rng, 0.0, cycles=3)) is not None for _ in range(100)) <= 3  # 1/3 % of 100
     found = [untold(*by_chance(rng, SHARED, cycles=3)) for _ in range(5)]
     size = SHARED * np.sqrt(2 * np.mean(4.0 ** np.arange(6)))  # of both directions
     for f in found:
