@@ -11,6 +11,7 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write as write_campaign
 from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
 from serpenoid.diagnose.report.write import write
 from serpenoid.diagnose.stages.baseline import Baseline
@@ -34,3 +35,12 @@ def diagnosed(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple
     found = diagnose(recordings, Baseline(baseline(None, file, file.body)), lambda text: None)
     out = tmp_path_factory.mktemp("out")
     return found, write(out, file, found), out
+
+
+@pytest.fixture(scope="session")
+def healthy(tmp_path_factory: pytest.TempPathFactory) -> tuple[tuple[Recording, ...], Baseline]:
+    """Recordings of a healthy robot, and the baseline."""
+    folder = tmp_path_factory.mktemp("healthy")
+    write_campaign(make(5, (), "null", COMBINATIONS[:2]), folder)
+    file, recordings = read_recordings(folder)
+    return recordings, Baseline(baseline(None, file, file.body))

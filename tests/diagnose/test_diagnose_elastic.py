@@ -7,28 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blind.campaign import COMBINATIONS, make
-from blind.folder import write
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.inference.finding import Stage
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.beyond_readings import beyond
 from serpenoid.diagnose.stages.elastic import elastic, torques
 from serpenoid.diagnose.stages.refuted import by_markers, shapes_believed
-from serpenoid.diagnose.start import baseline
 
 JOINT = 7  # from 0
 YIELDED = 0.08  # rad, RMS
-
-
-@pytest.fixture(scope="module")
-def healthy(tmp_path_factory):
-    """Recordings of a healthy robot, and the baseline."""
-    folder = tmp_path_factory.mktemp("healthy")
-    write(make(5, (), "null", COMBINATIONS[:2]), folder)
-    file, recordings = read_recordings(folder)
-    return recordings, Baseline(baseline(None, file, file.body))
 
 
 def torque_by_hand(r):
@@ -69,8 +56,8 @@ def given_way(recordings, beyond):
 
 def of(recordings):
     seen = Observation.neutral(recordings[0].body)
-    shown = by_markers(recordings, seen, [JOINT]).recordings
-    return elastic(recordings, shown, seen, [JOINT])
+    trials = [beyond(r, seen) for r in recordings]
+    return elastic(trials, by_markers(trials, seen, [JOINT]).recordings, seen, [JOINT])
 
 
 def test_a_joint_that_gives_way_in_proportion_to_the_torque_is_elastic(healthy):

@@ -7,34 +7,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blind.campaign import COMBINATIONS, make
-from blind.folder import write
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.inference.finding import Stage
-from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.beyond_readings import Beyond
+from serpenoid.diagnose.stages.beyond_readings import OfJoint, beyond
 from serpenoid.diagnose.stages.play_under_load import crossings, ends_of, play_under_load, two_ends
 from serpenoid.diagnose.stages.refuted import shapes_believed
-from serpenoid.diagnose.start import baseline
 
 JOINT = 3  # from 0
 WIDTH = 0.11  # rad
 
 
-@pytest.fixture(scope="module")
-def healthy(tmp_path_factory):
-    """Recordings of a healthy robot, and the baseline."""
-    folder = tmp_path_factory.mktemp("healthy")
-    write(make(5, (), "null", COMBINATIONS[:2]), folder)
-    file, recordings = read_recordings(folder)
-    return recordings, Baseline(baseline(None, file, file.body))
-
-
-def given_way(r, beyond):
-    """The recording as of a servo that reads less than its joint is bent by, by `beyond` of times and readings."""
+def given_way(r, by):
+    """The recording as of a servo that reads less than its joint is bent by, by `by` of times and readings."""
     position = r.position.copy()
-    position[:, JOINT] -= beyond(r, r.read_at, position[:, JOINT])
+    position[:, JOINT] -= by(r, r.read_at, position[:, JOINT])
     return replace(r, position=position)
 
 
@@ -50,9 +36,8 @@ def under_load(r, time, read):
 def test_play_under_load_is_named_with_its_width(healthy):
     recordings, _ = healthy
     body = recordings[0].body
-    found = play_under_load(
-        [given_way(r, under_load) for r in recordings], Observation.neutral(body), range(JOINT, JOINT + 1)
-    )
+    seen = Observation.neutral(body)
+    found = play_under_load([beyond(given_way(r, under_load), seen) for r in recordings], [JOINT])
     assert [(n.effect.name, n.effect.place) for n in found] == [("loose_joint", JOINT + 1)]
     (low, high) = found[0].intervals["width"]
     assert low <= WIDTH <= high
@@ -69,11 +54,11 @@ def slipped(r, time, read):
     return np.where(np.asarray(time) > r.end / 2, WIDTH, 0.0)
 
 
-@pytest.mark.parametrize("beyond", [elastic, slipped])
-def test_what_gives_way_otherwise_is_no_play(healthy, beyond):
+@pytest.mark.parametrize("by", [elastic, slipped])
+def test_what_gives_way_otherwise_is_no_play(healthy, by):
     recordings, _ = healthy
-    given = [given_way(r, beyond) for r in recordings]
-    assert not play_under_load(given, Observation.neutral(recordings[0].body), range(JOINT, JOINT + 1))
+    seen = Observation.neutral(recordings[0].body)
+    assert not play_under_load([beyond(given_way(r, by), seen) for r in recordings], [JOINT])
 
 
 def test_what_is_off_in_proportion_to_the_reading_is_no_play():
@@ -82,9 +67,9 @@ def test_what_is_off_in_proportion_to_the_reading_is_no_play():
     bent = np.clip(6 * np.sin(2 * np.pi * time), -1.0, 1.0)
     noise = np.random.default_rng(3).normal(scale=0.01, size=(2, len(time)))
     frames = np.arange(len(time))
-    too_small = Beyond(0.2 * bent + noise[0], 0.8 * bent + noise[1], frames)
+    too_small = OfJoint(0.2 * bent + noise[0], 0.8 * bent + noise[1], frames)
     assert ends_of([too_small, too_small], 0.01) is None
-    under_load = Beyond(0.2 * bent + noise[0], np.sin(2 * np.pi * time + 1.0), frames)
+    under_load = OfJoint(0.2 * bent + noise[0], np.sin(2 * np.pi * time + 1.0), frames)
     assert ends_of([under_load, under_load], 0.01) is not None
     assert ends_of([under_load, under_load], 0.5) is None  # below the noise level
 
@@ -92,16 +77,16 @@ def test_what_is_off_in_proportion_to_the_reading_is_no_play():
 def test_a_joint_that_stands_still_may_have_play():
     time = np.linspace(0, 4, 2000)
     pushed = 0.2 * np.clip(6 * np.sin(2 * np.pi * time), -1.0, 1.0)
-    trial = Beyond(pushed, np.full(len(time), 0.3), np.arange(len(time)))
+    trial = OfJoint(pushed, np.full(len(time), 0.3), np.arange(len(time)))
     width, _ = ends_of([trial, trial], 0.01)
     assert width == pytest.approx(0.4, rel=0.02)
 
 
 def test_a_catalogue_without_play_does_not_name_it(healthy):
     recordings, _ = healthy
-    played = [given_way(r, under_load) for r in recordings]
     seen = Observation.neutral(recordings[0].body)
-    assert not play_under_load(played, seen, range(JOINT, JOINT + 1), frozenset({"loose_joint"}))
+    played = [beyond(given_way(r, under_load), seen) for r in recordings]
+    assert not play_under_load(played, [JOINT], frozenset({"loose_joint"}))
 
 
 def test_motion_is_judged_by_the_bend_that_markers_show_and_play_is_named(healthy):

@@ -9,27 +9,13 @@ import numpy as np
 import pytest
 
 import serpenoid.diagnose.stages.refuted as refuted_by
-from blind.campaign import COMBINATIONS, make
-from blind.folder import write
 from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.inference.finding import Stage
-from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.refuted import refuted, shapes_believed
-from serpenoid.diagnose.start import baseline
 from serpenoid.measure.logs import TICK
 
 JOINT = 3  # from 0
 OFF = 0.15  # rad: what the joint does beyond what it reads
-
-
-@pytest.fixture(scope="module")
-def healthy(tmp_path_factory):
-    """Recordings of a healthy robot, and the baseline."""
-    folder = tmp_path_factory.mktemp("healthy")
-    write(make(5, (), "null", COMBINATIONS[:1]), folder)
-    file, recordings = read_recordings(folder)
-    return recordings, Baseline(baseline(None, file, file.body))
 
 
 def said_of(joints: int, which: range) -> Stage:

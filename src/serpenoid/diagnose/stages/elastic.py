@@ -23,30 +23,31 @@ from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.stages.beyond_readings import Beyond, beyond, lasting, noise_level
+from serpenoid.diagnose.stages.beyond_readings import Beyond, OfJoint, lasting, noise_level
 from serpenoid.diagnose.stages.marker_evidence import AVERAGED_S
 
 
 def elastic(
-    recordings: Sequence[Recording], shown: Sequence[Recording], seen: Observation, joints: Sequence[int]
+    trials: Sequence[Beyond], shown: Sequence[Recording], seen: Observation, joints: Sequence[int]
 ) -> list[tuple[int, float]]:
     """Which of some joints (from 0) are, and how much of what markers show there load does not make (a share of RMS).
 
     seen: the observation model beside which markers show it; shown: the recordings with shapes as markers show them.
     """
+    if not joints:
+        return []
     found = []
     acting = [torques(r, seen) for r in shown]
     for joint in joints:
-        trials = [beyond(r, seen, joint) for r in recordings]
-        speeds = [np.gradient(r.angles[:, joint], r.time) for r in recordings]
-        level = noise_level(recordings, joint)
-        share = unexplained(trials, [x[:, joint] for x in acting], speeds, level)
+        speeds = [np.gradient(t.recording.angles[:, joint], t.recording.time) for t in trials]
+        acted = [x[:, joint] for x in acting]
+        share = unexplained([t.at(joint) for t in trials], acted, speeds, noise_level(trials, joint))
         if share < LAW_ERROR:
             found.append((joint, share))
     return found
 
 
-def unexplained(trials: Sequence[Beyond], acting: Sequence[Floats], speeds: Sequence[Floats], level: float) -> float:
+def unexplained(trials: Sequence[OfJoint], acting: Sequence[Floats], speeds: Sequence[Floats], level: float) -> float:
     """How much of what markers show in each trial is not in proportion to torques (all frames, 2), as a share of the
     RMS that clocks leave beside a reading's speeds (all frames,); 1 where a joint would give way against the load, or
     clocks leave no more than the noise level [rad]."""
@@ -64,7 +65,9 @@ def unexplained(trials: Sequence[Beyond], acting: Sequence[Floats], speeds: Sequ
     return float(np.sqrt(max(lasting(left, trials), 0.0) / whole))
 
 
-def _left(trials: Sequence[Beyond], rows: Sequence[Floats], known: Sequence[np.ndarray]) -> tuple[list[Floats], Floats]:
+def _left(
+    trials: Sequence[OfJoint], rows: Sequence[Floats], known: Sequence[np.ndarray]
+) -> tuple[list[Floats], Floats]:
     """What least squares leave of each trial by columns (F, C), 0 where these are not known, and their numbers (C,)."""
     some = np.concatenate([x[k] for x, k in zip(rows, known, strict=True)])
     every = np.concatenate([t.shown[k] for t, k in zip(trials, known, strict=True)])

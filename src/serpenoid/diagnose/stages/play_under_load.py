@@ -23,11 +23,9 @@ from scipy.special import stdtrit
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import CONFIDENCE
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.stages.beyond_readings import Beyond, beyond, lasting, noise_level
+from serpenoid.diagnose.stages.beyond_readings import Beyond, OfJoint, lasting, noise_level
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import marking
 
@@ -37,17 +35,16 @@ BACK = 0.5  # of the trials in which a link crosses its gap: in more of them it 
 
 
 def play_under_load(
-    recordings: Sequence[Recording], seen: Observation, joints: Sequence[int], without: frozenset[str] = frozenset()
+    trials: Sequence[Beyond], joints: Sequence[int], without: frozenset[str] = frozenset()
 ) -> tuple[Named, ...]:
-    """Play at those of some joints (from 0) where it is what markers show beyond readings; seen: the observation model
-    beside which they show it."""
+    """Play at those of some joints (from 0) where it is what markers show beyond readings."""
     kind = next((k for k in marking("gaps") if k.name not in without), None)
     if kind is None:
         return ()
     found = []
     for joint in joints:
-        level = noise_level(recordings, joint)
-        width = ends_of([beyond(r, seen, joint) for r in recordings], level)
+        level = noise_level(trials, joint)
+        width = ends_of([t.at(joint) for t in trials], level)
         if width is None:
             continue
         (gap,) = kind.parameters
@@ -58,7 +55,7 @@ def play_under_load(
     return tuple(found)
 
 
-def ends_of(trials: Sequence[Beyond], level: float) -> tuple[float, float] | None:
+def ends_of(trials: Sequence[OfJoint], level: float) -> tuple[float, float] | None:
     """Width of the gap between two ends [rad] and half of its 95 % interval, by how it scatters from trial to trial;
     None where two ends are not what markers show, or all that lasts is below their noise level [rad]."""
     every, read = (np.concatenate([getattr(t, name) for t in trials]) for name in ("shown", "read"))

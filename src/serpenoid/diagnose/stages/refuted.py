@@ -24,9 +24,9 @@ from serpenoid.diagnose.data.tracks import NoPath, tracker
 from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.beyond_readings import Beyond, beyond
 from serpenoid.diagnose.stages.choose_motion import eps_alone
 from serpenoid.diagnose.stages.elastic import elastic
-from serpenoid.diagnose.stages.marker_evidence import shown_otherwise
 from serpenoid.diagnose.stages.play_under_load import play_under_load
 from serpenoid.files.store import remembered
 from serpenoid.measure.clock import bridged
@@ -56,16 +56,17 @@ def shapes_believed(
     joints = refuted(observation, recordings[0].body.joint_count)
     if not joints or any(never_shown(r, joints) for r in recordings):
         return read
-    shown = by_markers(recordings, seen, joints)
+    trials = [beyond(r, seen) for r in recordings]
+    shown = by_markers(trials, seen, joints)
     by_readings, by_shown = missed(read, baseline), missed(shown, baseline)
     which = f"joint{'s' if len(joints) > 1 else ''} {listed([str(j + 1) for j in joints])}"
     off = f"a window is off by {1e3 * by_shown:.3g} mm by what markers show, by {1e3 * by_readings:.3g} mm by readings"
     if by_readings <= by_shown:
         clear = by_readings < (1 - LAW_ERROR) * by_shown
         return replace(read, words=f"motion sides with the readings at {which}: {off}; {MOVES}") if clear else read
-    loose = play_under_load(recordings, seen, joints, baseline.without)
+    loose = play_under_load(trials, joints, baseline.without)
     others = [j for j in joints if j + 1 not in {n.effect.place for n in loose}]
-    springy = elastic(recordings, shown.recordings, seen, others)
+    springy = elastic(trials, shown.recordings, seen, others)
     clear = by_shown < (1 - LAW_ERROR) * by_readings
     sides = "motion sides with the markers" if clear else "motion is judged by the bend that markers show"
     gives = [GIVES] if clear and not loose and not springy else []
@@ -106,21 +107,20 @@ def never_shown(r: Recording, joints: Sequence[int]) -> bool:
     return not np.isfinite(marker_angles(r.body, r.markers)[:, list(joints)]).any(axis=0).all()
 
 
-def by_markers(recordings: Sequence[Recording], seen: Observation, joints: Sequence[int]) -> Believed:
+def by_markers(trials: Sequence[Beyond], seen: Observation, joints: Sequence[int]) -> Believed:
     """Bends of these joints as markers show them: nothing is between the two any more."""
     zeros, gaps = seen.zeros.copy(), seen.gaps.copy()
     zeros[list(joints)] = gaps[list(joints)] = 0.0
-    shown = tuple(replace(r, shown=bends(r, seen, joints)) for r in recordings)
+    shown = tuple(replace(t.recording, shown=bends(t, joints)) for t in trials)
     return Believed(shown, replace(seen, zeros=zeros, gaps=gaps))
 
 
-def bends(r: Recording, seen: Observation, joints: Sequence[int]) -> Floats:
+def bends(trial: Beyond, joints: Sequence[int]) -> Floats:
     """Angles (F, m) [rad] by which markers show these joints bent on each frame: what an observation model says, and
     what it leaves of the markers' angles, on straight lines while they are hidden; NaN of other joints."""
-    told = seen.angles(r.angles, seen.begun(r.angles, marker_angles(r.body, seen.unstretched(r.markers))))
-    found = np.full(told.shape, np.nan)
+    found = np.full(trial.told.shape, np.nan)
     some = list(joints)
-    found[:, some] = told[:, some] + bridged(r.time, shown_otherwise(r.body, r.markers, told, seen)[:, some])
+    found[:, some] = trial.told[:, some] + bridged(trial.recording.time, trial.shown[:, some])
     return found
 
 
