@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual
+from serpenoid.body import Floats
 from serpenoid.diagnose.data.columns import columns_of
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
@@ -23,7 +25,8 @@ from serpenoid.diagnose.stages.marker_evidence import along, by_trial, sample
 from serpenoid.effects.active import ActiveEffect
 
 SEED, JOINT, SLIP = 31, 4, 0.15  # rad
-FIRST = 1  # trials before the horn slips
+FIRST = 1  # trials before the horn, or the marker, slips
+MARKER = 3
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +50,32 @@ def test_a_horn_that_slips_has_no_name_and_is_told_with_joint_trial_and_angle(sl
     assert re.search(
         r"zero_offset at joint \d would leave [67]\d% of what it does: not its law", " ".join(stage.words)
     )  # it leaves (1/3 2/3)^(1/2) SLIP of 2/3 SLIP: 71 %
+
+
+def test_a_marker_that_slips_is_told_by_the_edge_and_divides_trials(tmp_path: Path) -> None:
+    """One marker sits 0.8 mm farther along its link from the second trial on, which no joint shows."""
+    protocol = replace(usual(SEED, COMBINATIONS[:1]), plays=3)
+    write(make(SEED, [], protocol=protocol), tmp_path)
+    healthy = read_recordings(tmp_path)[1]
+    moved = [replace(r, markers=_slid(r.markers, MARKER, 0.8e-3)) for r in healthy[FIRST:]]
+    stage, _ = choose_observation([*healthy[:FIRST], *moved], Observation.neutral(healthy[0].body))
+    assert stage.divided is not None
+    assert stage.divided.others == tuple(r.name for r in healthy[:FIRST])
+    assert stage.divided.changed == tuple(r.name for r in moved)
+    told = re.search(r"the edge from vertex (\d+) is another length .* by (\S+) mm at `(\S+)`", stage.divided.words)
+    assert told is not None
+    edge, by, where = told.groups()
+    assert int(edge) in (MARKER - 1, MARKER)
+    assert float(by) == pytest.approx(-0.8 if int(edge) == MARKER else 0.8, abs=0.03)  # a marker's noise, averaged
+    assert where == moved[0].name
+
+
+def _slid(markers: Floats, at: int, by: float) -> Floats:
+    """Markers (F, N, 2), one of them `by` [m] farther along the line to the next one."""
+    ahead = markers[:, at + 1] - markers[:, at]
+    found = markers.copy()
+    found[:, at] += by * ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
+    return found
 
 
 def test_what_a_zero_leaves_of_what_it_does_is_as_much_as_trials_disagree(slipped: list[Recording]) -> None:

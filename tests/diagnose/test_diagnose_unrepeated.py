@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from typing import cast
+
 import pytest
 
 from blind.campaign import make
@@ -14,8 +16,12 @@ from blind.protocol import Protocol
 from blind.random_protocols import draw_protocol
 from serpenoid.diagnose.campaign import diagnose_campaign
 from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.inference.finding import Named
+from serpenoid.diagnose.stages import choose_motion
 from serpenoid.diagnose.stages.actuation import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.effects.active import ActiveEffect
 
 SEED = 166611063688274
 HIDDEN = (
@@ -56,3 +62,20 @@ def test_a_law_that_first_order_scores_do_not_show_is_found_without_repeats(tmp_
         assert low is not None
         assert high is not None
         assert low < true < high
+
+
+@pytest.mark.parametrize(
+    ("over_markers", "strength", "marked"),
+    [(1.05, 0.5, False), (9.0, 1.6, True), (9.0, 2.9, True), (9.0, 3.1, False), (1.2, 1.6, True), (1.2, 1.7, False)],
+)
+def test_names_that_may_be_parts_of_what_is_left_are_marked(
+    over_markers: float, strength: float, marked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """(1 - 1 / 1.2^2)^(1/2) = 0.553 of what is left is none of the markers' noise: a third of 1.66."""
+    monkeypatch.setattr(choose_motion, "over_markers", lambda _: over_markers)
+    monkeypatch.setattr(choose_motion, "noise_uncertain", lambda _: 0.01)  # chance makes 1.1 of 1.0 at most
+    floor = Named(ActiveEffect.typical("slope"), {}, strength)
+    servo = Named(ActiveEffect.typical("servo_lag"), {}, strength)
+    of_floor, of_servo = choose_motion.beside_what_is_left(cast(Motion, None), [floor, servo])
+    assert of_floor.stand_in == marked
+    assert not of_servo.stand_in  # the motion says nothing of servos

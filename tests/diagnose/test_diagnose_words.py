@@ -141,10 +141,12 @@ def test_a_verdict_says_that_a_cause_may_hide_in_chance_that_is_no_noise_of_the_
 
 
 def test_what_repeats_differ_by_stands_beside_the_noise_of_the_markers() -> None:
-    said, hides = chance({"noise_over_markers": 79.6})
+    said, hides = chance({"noise_over_markers": 79.6, "noise_from": "trials"})
     assert said == "repeats differ by 80 times the markers' noise"
     assert "counts as noise, and hides what is smaller" in hides
     assert chance({"noise_over_markers": None}) == []
+    (left,) = chance({"noise_over_markers": 9.46, "noise_from": "residuals"})  # nothing was played twice
+    assert left == "what the model leaves is 9.5 times the markers' noise"
 
 
 def test_k_of_dry_friction_is_not_told_as_one_of_drag() -> None:

@@ -63,8 +63,8 @@ def window_noise(tracks: Sequence[Track], left: Sequence[Floats]) -> tuple[Noise
 
 def over_markers(motion: Motion) -> float | None:
     """How many times as much windows' displacements differ by chance as the markers' own noise makes them (RMS while
-    playing); None where nothing was played again, or markers have no noise."""
-    if not repeats(motion.tracks) or any(t.noise is not None for t in motion.tracks):
+    playing); None where markers have no noise. Where nothing was played again that is what the model leaves."""
+    if any(t.noise is not None for t in motion.tracks):
         return None
     chance, least = (
         np.concatenate([np.broadcast_to(of(t), t.displacement.shape)[t.playing, :2] for t in motion.tracks])

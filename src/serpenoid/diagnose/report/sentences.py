@@ -91,6 +91,11 @@ def _why_doubted(record: Record, seen: bool) -> str:
         return "stand-ins of the floor rest on markers whose errors are not understood"
     if any(w.endswith(OTHER_LAW) for w in record["residual_pattern"]):
         return "names that take at some places what they give at others may stand for another law"
+    if record["noise_from"] == "residuals" and not record["reference"]:
+        return (
+            "nothing was played twice, and what is left is more than the markers' noise: names that do less than three "
+            "times as much may be parts of an error of the law"
+        )
     if record["verdict"] not in SETTLED and not _beside_wrong(record):
         return "beside what is named, paths are off by more than the noise"
     if record.get("parts_differ_by"):
@@ -309,6 +314,8 @@ def chance(record: Record) -> list[str]:
     ratio = record.get("noise_over_markers")
     if ratio is None:
         return []
+    if record["noise_from"] == "residuals":
+        return [f"what the model leaves is {ratio:.2g} times the markers' noise"]
     return [
         f"repeats differ by {ratio:.2g} times the markers' noise",
         "what acts on one repeat and not on the other counts as noise, and hides what is smaller",

@@ -7,11 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from serpenoid.diagnose.data.chance import largest_factor
 from serpenoid.diagnose.data.motion import Motion, Noise
-from serpenoid.diagnose.data.noise import residuals
+from serpenoid.diagnose.data.noise import noise_uncertain, over_markers, residuals
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_error, path_noise
 from serpenoid.diagnose.data.recording import Recording, held_out_labels
+from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.shared import discrepancy
 from serpenoid.diagnose.data.tracks import NoPath, make_tracks, tracker
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
@@ -229,11 +231,23 @@ def finding(
         named = [n if n is jumps else m for n, m in zip(named, with_stand_ins(found, named, inadequate), strict=True)]
     if wrong:
         named = mending(found, named, before, after)
+    if motion.ratio is None and chance_from(motion.tracks) == "residuals":
+        named = beside_what_is_left(motion, named)
     ends = None if parts is None else ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
     stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)
     stage = another_law(found, replace(stage, unlike=unlike, ratio=ends, divided=divided))
     return MotionFinding(stage, found, swaps, before, after)
+
+
+def beside_what_is_left(motion: Motion, named: Sequence[Named]) -> list[Named]:
+    """Names where nothing was played twice: what is left beyond the markers' noise may be an error of the law, and what
+    does less than 1 / LAW_ERROR times as much may be a part of that."""
+    ratio = over_markers(motion) or 1.0
+    beyond = float(np.sqrt(1 - ratio**-2)) if ratio > largest_factor(noise_uncertain(motion)) else 0.0
+    return [
+        replace(n, stand_in=n.stand_in or (n.effect.effect.moves and beyond > LAW_ERROR * n.strength)) for n in named
+    ]
 
 
 def another_law(found: Selection, stage: Stage) -> Stage:

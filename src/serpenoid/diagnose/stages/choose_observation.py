@@ -166,7 +166,7 @@ def _left_over(
     divided = None
     if news[worst] > 1 + VISIBLE**2:
         words = (f"markers do not show {what} as it should be: {size:.1f} times the noise",)
-    if words and worst < joints:
+    if words:
         divided = _from_trial_to_trial(best, worst)
         words += () if divided is None else (divided.words,)
     if not words and all_squares > known[-1] * (1 + VISIBLE**2):  # nothing that lasts from frame to frame
@@ -177,23 +177,32 @@ def _left_over(
     return float(np.hypot(1.0, size)), words, (*squares.tolist(), all_squares), tuple(share.tolist()), divided
 
 
-def _from_trial_to_trial(best: Looked, joint: int) -> Divided | None:
-    """Where a joint is bent by one angle in some trials and by another in others: when it changed most. Trials before
-    and since are two sides if, on each, angles are about one."""
-    angles, about = by_trial(best.data, best.now, joint)
-    known = np.flatnonzero(np.isfinite(angles))
+def _from_trial_to_trial(best: Looked, channel: int) -> Divided | None:
+    """Where a joint is bent by one angle in some trials and by another in others, or an edge is so long: when it
+    changed most. Trials before and since are two sides if, on each, values are about one."""
+    values, about = by_trial(best.data, best.now, channel)
+    known = np.flatnonzero(np.isfinite(values))
     if len(known) < 2 or about > LAW_ERROR**2:
         return None
-    changes = np.diff(angles[known])
+    changes = np.diff(values[known])
     at = int(np.abs(changes).argmax())
     sides = known[: at + 1], known[at + 1 :]
-    where, begun = best.data.names[sides[1][0]], f"joint {joint + 1} is bent by another angle from trial to trial"
-    grown = float(changes.sum())
+    joints = best.data.body.joint_count
+    where, grown = best.data.names[sides[1][0]], float(changes.sum())
+    begun, unit = f"joint {channel + 1} is bent by another angle from trial to trial", "rad"
+    little, slipped = "its horn may slip a little in each", "its horn, or a marker beside it, may have slipped"
+    if channel >= joints:
+        begun = f"the edge from vertex {channel - joints} is another length from trial to trial"
+        unit, changes, grown = "mm", 1e3 * changes, 1e3 * grown
+        little, slipped = (
+            "a marker at an end of it may slip a little in each",
+            "a marker at an end of it may have slipped",
+        )
     if abs(changes[at]) < LAW_ERROR * abs(grown):
         end = f"`{best.data.names[known[0]]}` to `{best.data.names[known[-1]]}`"
-        return Divided(f"{begun}, by {grown:+.3g} rad in all from {end}: its horn may slip a little in each")
-    words = f"{begun}, by {changes[at]:+.3g} rad at `{where}`: its horn, or a marker beside it, may have slipped"
-    before, since = (angles[side] for side in sides)
+        return Divided(f"{begun}, by {grown:+.3g} {unit} in all from {end}: {little}")
+    words = f"{begun}, by {changes[at]:+.3g} {unit} at `{where}`: {slipped}"
+    before, since = (values[side] for side in sides)
     widest = max(np.abs(x - x.mean()).max() for x in (before, since))
     if widest > LAW_ERROR * abs(since.mean() - before.mean()):
         return Divided(words)

@@ -193,16 +193,16 @@ def structure(data: Sample, now: Observation) -> Floats:
     return chance.structure(_channels(data, now), data.following)
 
 
-def by_trial(data: Sample, now: Observation, joint: int) -> tuple[Floats, float]:
-    """What a joint is bent beyond what an observation model says, on average in each trial (T,) [rad], and what is left
-    about these averages: its mean square without white noise, as a share."""
-    left = _channels(data, now)[:, joint]
+def by_trial(data: Sample, now: Observation, channel: int) -> tuple[Floats, float]:
+    """What a joint is bent [rad], or an edge longer [m], than an observation model says, on average in each trial (T,),
+    and what is left about these averages: its mean square without white noise, as a share. channel: of `structure`."""
+    left = _channels(data, now)[:, channel]
     trial = np.repeat(np.arange(len(data.trials)), [len(taken) for *_, taken in data.trials])
     seen = np.isfinite(left)
     means = np.array([np.median(left[seen & (trial == t)]) if (seen & (trial == t)).any() else np.nan
                       for t in range(len(data.trials))])  # fmt: skip
     whole, about = (np.nanmean((x[1:] * x[:-1])[data.following]) for x in (left, left - means[trial]))
-    return means * data.levels[joint], float(max(about, 0.0) / whole)
+    return means * data.levels[channel], float(max(about, 0.0) / whole)
 
 
 def _channels(data: Sample, now: Observation) -> Floats:
