@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-
 from typing import cast
 
 import pytest
@@ -15,8 +14,8 @@ from blind.folder import write
 from blind.protocol import Protocol
 from blind.random_protocols import draw_protocol
 from serpenoid.diagnose.campaign import diagnose_campaign
-from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.inference.finding import Named
 from serpenoid.diagnose.stages import choose_motion
 from serpenoid.diagnose.stages.actuation import plays
