@@ -11,7 +11,7 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
-from blind.protocol import usual
+from blind.protocol import usual, with_joints
 from serpenoid.diagnose.data.columns import columns_of
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
@@ -22,7 +22,7 @@ from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.marker_evidence import along, by_trial, sample
 from serpenoid.effects.active import ActiveEffect
 
-SEED, JOINT, SLIP = 31, 4, 0.15  # rad
+SEED, JOINTS, JOINT, SLIP = 31, 6, 4, 0.15  # rad
 FIRST = 1  # trials before the horn slips
 
 
@@ -30,7 +30,7 @@ FIRST = 1  # trials before the horn slips
 def slipped(tmp_path_factory: pytest.TempPathFactory) -> list[Recording]:
     """Three trials; from the second on a joint is bent by one angle more than its servo reads."""
     whole, before = tmp_path_factory.mktemp("after"), tmp_path_factory.mktemp("before")
-    protocol = replace(usual(SEED, COMBINATIONS[:1]), plays=3)
+    protocol = replace(with_joints(usual(SEED, COMBINATIONS[:1]), JOINTS), plays=3)
     write(make(SEED, [Effect("zero_offset", JOINT, {"offset": SLIP})], protocol=protocol), whole)
     write(make(SEED, [], protocol=protocol), before)
     after, healthy = read_recordings(whole)[1], read_recordings(before)[1]
