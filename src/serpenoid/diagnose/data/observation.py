@@ -148,9 +148,11 @@ class Observation:
 
     def _displaced(self, body: Body, points: Floats, along: Floats, left: Floats) -> Floats:
         """Markers about the vertices (F, N, 2), before the scale."""
-        there = points + self.markers[:, :1] * along + self.markers[:, 1:] * left
+        ahead, aside = (np.repeat(number[:, None], 2, axis=1) for number in self.markers.T)  # arrays as long as points'
+        there = points + ahead * along + aside * left
         at = np.array(body.joint_vertices)
-        there[:, at] += self.ahead[:, :1] * along[:, at + 1] + self.ahead[:, 1:] * left[:, at + 1]
+        if self.ahead.any():
+            there[:, at] += self.ahead[:, :1] * along[:, at + 1] + self.ahead[:, 1:] * left[:, at + 1]
         return there
 
     def _by_angles(self, body: Body, left: Floats, along: Floats, joints: Iterable[int]) -> dict[int, Floats]:
