@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -69,6 +69,16 @@ def usual(seed: int, combinations: Sequence[Combination] = COMBINATIONS) -> Prot
     rng = np.random.default_rng([seed, 0])
     eps, slip_scale = float(np.exp(rng.uniform(np.log(0.12), np.log(0.3)))), float(np.exp(rng.uniform(-1.4, 0.4)))
     return Protocol("snake10", SNAKE10, eps, slip_scale, tuple(_settings(rng, combinations)))
+
+
+def with_joints(protocol: Protocol, joints: int) -> Protocol:
+    """The same of a snake that has only the first joints, between the same tail and head; how long a search of the
+    catalogue takes grows with the square of them and more."""
+    robot, rest = protocol.robot, protocol.robot.joints - joints
+    edges, masses = (np.delete(x, np.s_[joints : joints + rest]) for x in (robot.edges, robot.masses))
+    shorter = replace(robot, edges=edges, masses=masses, mass_kg=robot.mass_kg * masses.sum() / robot.masses.sum())
+    played = (replace(s, plan=replace(s.plan, table=s.plan.table[:, :joints])) for s in protocol.settings)
+    return replace(protocol, name=f"snake{joints}", robot=shorter, settings=tuple(played))
 
 
 def _settings(rng: np.random.Generator, combinations: Sequence[Combination]) -> list[Setting]:

@@ -25,8 +25,8 @@ ZERO = Effect("zero_offset", 1, {"offset": 0.03})
 
 
 def short(hidden: list[Effect] | int) -> Campaign:
-    """A campaign of three settings."""
-    return make(5, hidden, "short", COMBINATIONS[:3])
+    """A campaign of two settings."""
+    return make(5, hidden, "short", COMBINATIONS[:2])
 
 
 @pytest.fixture(scope="module")
@@ -154,8 +154,8 @@ def fake(tmp_path: Path) -> str:
 
 @pytest.fixture
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Studies whose campaigns have three settings."""
-    settings = COMBINATIONS[:3]
+    """Studies whose campaigns have two settings."""
+    settings = COMBINATIONS[:2]
     monkeypatch.setattr(kinds, "usual", partial(usual, combinations=settings))
     monkeypatch.setattr(kinds, "make", partial(make, combinations=settings))
 

@@ -17,7 +17,7 @@ from serpenoid.measure.load import Campaign, align_trial, load_campaign
 from serpenoid.measure.trial_files import read_files
 from swimmers_by_curves import Curve
 
-PIXELS, POINTS = 400.0, 13
+PIXELS, POINTS = 400.0, 9
 RATIO = "anisotropy_ratio"
 
 

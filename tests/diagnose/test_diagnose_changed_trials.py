@@ -14,6 +14,7 @@ import pytest
 from blind.campaign import COMBINATIONS, Campaign, make
 from blind.catalogue import Effect
 from blind.folder import write
+from blind.protocol import Protocol, usual, with_joints
 from serpenoid.cli.main import main
 from serpenoid.diagnose.changed_trials import sides
 from serpenoid.diagnose.inference.finding import Divided
@@ -124,10 +125,15 @@ def diagnosed(campaign: Path, out: Path, *options: str) -> dict[str, Any]:
     return said
 
 
+def protocol(combinations: int) -> Protocol:
+    """Of a snake of six joints."""
+    return with_joints(usual(63, COMBINATIONS[:combinations]), 6)
+
+
 def changed_in_the_last_round(hidden: Effect, combinations: int) -> Campaign:
     """Round by round; the effect acts in the last one alone."""
-    few = COMBINATIONS[:combinations]
-    healthy, changed = (make(63, effects, "now", few, chance=(1,)) for effects in ([], [hidden]))
+    few = protocol(combinations)
+    healthy, changed = (make(63, effects, "now", protocol=few, chance=(1,)) for effects in ([], [hidden]))
     names = [t.name for t in healthy.trials]
     last = {max(n for n in names if n.rpartition("-")[0] == of) for of in {n.rpartition("-")[0] for n in names}}
     pairs = zip(healthy.trials, changed.trials, strict=True)
@@ -145,7 +151,7 @@ def test_a_wheel_that_seizes_amid_the_campaign_is_named(tmp_path: Path, beside: 
     write(changed_in_the_last_round(WORN, gaits), tmp_path / "now")
     options: list[str] = []
     if beside == "the reference":
-        write(make(63, [], "then", COMBINATIONS[:gaits]), tmp_path / "then")
+        write(make(63, [], "then", protocol=protocol(gaits)), tmp_path / "then")
         options = ["--reference", str(tmp_path / "then")]
     said = diagnosed(tmp_path / "now", tmp_path / "out", *options)
     assert said["verdict"] == "unexplained"

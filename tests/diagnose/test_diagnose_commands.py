@@ -14,6 +14,7 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
+from blind.protocol import usual, with_joints
 from blind.schedule import lagged
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.clocks import Clock
@@ -30,14 +31,14 @@ from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.logs import TICK, ServoLog
 from serpenoid.measure.schedule import Schedule
 
-CYCLE_S, PAUSE_S, CYCLES, START_S, ROWS = 4.0, 1.0, 2, 1.2345, 40
+CYCLE_S, PAUSE_S, CYCLES, START_S, ROWS, JOINTS = 4.0, 1.0, 2, 1.2345, 40, 6
 FINE_S = 1e-3
 
 
 @pytest.fixture(scope="module")
 def trial(tmp_path_factory: pytest.TempPathFactory) -> Recording:
     folder = tmp_path_factory.mktemp("commands")
-    write(make(72, [], combinations=COMBINATIONS[:1]), folder)
+    write(make(72, [], protocol=with_joints(usual(72, COMBINATIONS[:1]), JOINTS)), folder)
     return read_recordings(folder)[1][0]
 
 
@@ -312,7 +313,8 @@ def test_where_commands_of_one_trial_follow_the_film_alone_nothing_is_moved(tria
 
 
 def test_a_log_that_repeats_its_commands_says_nothing_of_servos_and_a_note_says_so(tmp_path: Path) -> None:
-    write(make(5, [Effect("servo_lag", None, {"lag": 0.1})], combinations=COMBINATIONS[:1]), tmp_path)
+    few = with_joints(usual(5, COMBINATIONS[:1]), JOINTS)
+    write(make(5, [Effect("servo_lag", None, {"lag": 0.1})], protocol=few), tmp_path)
     file, folder = load_campaign_file(tmp_path)
     for log in [folder / str(t.servo_log) for t in file.trial]:
         header, *rows = [line.split(",") for line in log.read_text().splitlines()]

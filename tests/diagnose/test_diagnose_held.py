@@ -11,7 +11,7 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
-from blind.protocol import usual
+from blind.protocol import usual, with_joints
 from blind.schedule import lagged
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.geometry import shapes
@@ -31,7 +31,7 @@ from serpenoid.measure.logs import TICK
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 
-SEED, SETTINGS, LAG = 71, 2, 0.02  # s
+SEED, SETTINGS, JOINTS, LAG = 71, 1, 6, 0.02  # s
 LATE, OPEN = 0.008, 0.010  # s: a trial's beginning is off, and may be
 READ_EVERY = 0.02  # s
 FINE = 5e-4  # s
@@ -42,7 +42,8 @@ SELDOM, QUICK = 0.025, 2.0  # s from reading to reading, of the fastest row: a s
 def recordings(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, ...]:
     folder = tmp_path_factory.mktemp("held")
     hidden = Effect("servo_lag", None, {"lag": LAG})
-    write(make(SEED, [hidden], protocol=replace(usual(SEED, COMBINATIONS[:SETTINGS]), held=True)), folder)
+    protocol = with_joints(usual(SEED, COMBINATIONS[:SETTINGS]), JOINTS)
+    write(make(SEED, [hidden], protocol=replace(protocol, held=True)), folder)
     return read_recordings(folder)[1]
 
 

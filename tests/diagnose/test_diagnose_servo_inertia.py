@@ -12,7 +12,7 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
-from blind.protocol import usual
+from blind.protocol import usual, with_joints
 from blind.schedule import lagged, swung
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.reading import read_recordings
@@ -23,14 +23,14 @@ from serpenoid.diagnose.stages.choose_actuation import Played, _one_more, choose
 from serpenoid.effects import ActiveEffect, find
 from serpenoid.measure.logs import TICK
 
-SEED = 71
+SEED, JOINTS = 71, 6
 Play = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 @pytest.fixture(scope="module")
 def recordings(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, ...]:
     folder = tmp_path_factory.mktemp("inertia")
-    write(make(SEED, [], combinations=COMBINATIONS[:2]), folder)
+    write(make(SEED, [], protocol=with_joints(usual(SEED, COMBINATIONS[:2]), JOINTS)), folder)
     return read_recordings(folder)[1]
 
 
@@ -83,7 +83,8 @@ def test_servos_that_overshoot_or_creep_have_a_lag_and_a_damping(
 
 def test_servos_that_ring_after_every_row_that_jumps_have_inertia(tmp_path: Path) -> None:
     hidden = Effect("servo_inertia", None, {"lag": 0.05, "damping": 0.4})
-    write(make(SEED, [hidden], protocol=replace(usual(SEED, COMBINATIONS[:1]), held=True)), tmp_path)
+    protocol = replace(with_joints(usual(SEED, COMBINATIONS[:1]), JOINTS), held=True)
+    write(make(SEED, [hidden], protocol=protocol), tmp_path)
     data = plays(read_recordings(tmp_path)[1])
     assert data.held
     named = alone(choose_actuation(data))

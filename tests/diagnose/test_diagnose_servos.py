@@ -16,7 +16,7 @@ from scipy.stats import norm
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
-from blind.protocol import usual
+from blind.protocol import Protocol, usual, with_joints
 from blind.schedule import lagged, rate_limited
 from serpenoid.body import Body
 from serpenoid.diagnose.data.course import Course
@@ -39,11 +39,15 @@ from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation.servos import realise_all
 
-SEED = 71
+SEED, JOINTS = 71, 6
+
+
+def protocol(gaits: int) -> Protocol:
+    return with_joints(usual(SEED, COMBINATIONS[:gaits]), JOINTS)
 
 
 def healthy(folder: Path, gaits: int) -> tuple[Recording, ...]:
-    write(make(SEED, [], combinations=COMBINATIONS[:gaits]), folder)
+    write(make(SEED, [], protocol=protocol(gaits)), folder)
     return read_recordings(folder)[1]
 
 
@@ -110,7 +114,7 @@ def test_an_effect_that_every_joint_has_is_tried_nowhere_else(recordings: tuple[
 
 def test_a_joint_that_never_moves_is_stuck_and_has_no_gap_that_it_never_crosses(tmp_path: Path) -> None:
     """A gap wider than all that is commanded leaves a joint where it was, and may be any wider."""
-    write(make(SEED, [Effect("stuck_joint", 4, {"angle": 0.1})], combinations=COMBINATIONS[:1]), tmp_path)
+    write(make(SEED, [Effect("stuck_joint", 4, {"angle": 0.1})], protocol=protocol(1)), tmp_path)
     data = plays(read_recordings(tmp_path)[1])
     bare = float(data.chi2(data.realised([])).sum())
     wide = np.full(data.readings.shape[1], 2.0)
@@ -137,8 +141,7 @@ def test_commands_that_were_sent_late_are_taken_from_the_log(recordings: tuple[R
 @pytest.mark.slow
 def test_a_saturation_of_rows_that_jump_is_named_alone(tmp_path: Path) -> None:
     hidden = Effect("speed_saturation", None, {"max_speed": 0.6})
-    protocol = replace(usual(SEED, COMBINATIONS[:2]), held=True)
-    write(make(SEED, [hidden], protocol=protocol), tmp_path)
+    write(make(SEED, [hidden], protocol=replace(protocol(2), held=True)), tmp_path)
     data = plays(read_recordings(tmp_path)[1])
     assert data.held
     (named,) = choose_actuation(data).named
@@ -152,7 +155,7 @@ def test_a_saturation_of_rows_that_jump_is_named_alone(tmp_path: Path) -> None:
 def test_servos_that_lag_by_less_than_a_reading_where_rows_jump_are_no_noise(tmp_path: Path) -> None:
     """A reading after each jump is off by a row: a scatter of four ticks, within which all joints were followed."""
     hidden = Effect("servo_lag", None, {"lag": 0.005})
-    write(make(SEED, [hidden], protocol=replace(usual(SEED, COMBINATIONS[:1]), held=True)), tmp_path)
+    write(make(SEED, [hidden], protocol=replace(protocol(1), held=True)), tmp_path)
     data = plays(read_recordings(tmp_path)[1])
     assert data.held
     np.testing.assert_array_less(data.noise, TICK)

@@ -12,7 +12,7 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
-from blind.protocol import usual
+from blind.protocol import usual, with_joints
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.columns import columns_of
 from serpenoid.diagnose.data.observation import Observation
@@ -24,7 +24,7 @@ from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.marker_evidence import along, by_trial, sample
 from serpenoid.effects.active import ActiveEffect
 
-SEED, JOINT, SLIP = 31, 4, 0.15  # rad
+SEED, JOINTS, JOINT, SLIP = 31, 6, 4, 0.15  # rad
 FIRST = 1  # trials before the horn, or the marker, slips
 MARKER = 3
 
@@ -33,7 +33,7 @@ MARKER = 3
 def slipped(tmp_path_factory: pytest.TempPathFactory) -> list[Recording]:
     """Three trials; from the second on a joint is bent by one angle more than its servo reads."""
     whole, before = tmp_path_factory.mktemp("after"), tmp_path_factory.mktemp("before")
-    protocol = replace(usual(SEED, COMBINATIONS[:1]), plays=3)
+    protocol = replace(with_joints(usual(SEED, COMBINATIONS[:1]), JOINTS), plays=3)
     write(make(SEED, [Effect("zero_offset", JOINT, {"offset": SLIP})], protocol=protocol), whole)
     write(make(SEED, [], protocol=protocol), before)
     after, healthy = read_recordings(whole)[1], read_recordings(before)[1]
@@ -54,7 +54,7 @@ def test_a_horn_that_slips_has_no_name_and_is_told_with_joint_trial_and_angle(sl
 
 def test_a_marker_that_slips_is_told_by_the_edge_and_divides_trials(tmp_path: Path) -> None:
     """One marker sits 0.8 mm farther along its link from the second trial on, which no joint shows."""
-    protocol = replace(usual(SEED, COMBINATIONS[:1]), plays=3)
+    protocol = with_joints(replace(usual(SEED, COMBINATIONS[:1]), plays=3), JOINTS)
     write(make(SEED, [], protocol=protocol), tmp_path)
     healthy = read_recordings(tmp_path)[1]
     moved = [replace(r, markers=_slid(r.markers, MARKER, 0.8e-3)) for r in healthy[FIRST:]]

@@ -29,6 +29,7 @@ from serpenoid.files import cache
 from serpenoid.files.writing import atomic, write_text
 
 FLAGS = ("-O3", "-fPIC", "-shared", "-ffp-contract=off")
+EFFORT = "-O1"  # of CasADi's C: more takes twice as long and longer to compile, and the code is no faster
 log = logging.getLogger(__name__)
 T = TypeVar("T")
 
@@ -42,7 +43,7 @@ def compiled(functions: Sequence[ca.Function]) -> list[ca.Function]:
     def load(library: str) -> list[ca.Function]:
         return [ca.external(function.name(), library) for function in functions]
 
-    return loaded(functions[0].name(), generate_c(functions), load) or list(functions)
+    return loaded(functions[0].name(), generate_c(functions), load, (EFFORT,)) or list(functions)
 
 
 def loaded(name: str, source: str, load: Callable[[str], T], flags: Sequence[str] = ()) -> T | None:

@@ -16,10 +16,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from serpenoid.mechanics.compile import compiled, find_compiler, generate_c, loaded
+from serpenoid.mechanics.compile import EFFORT, compiled, find_compiler, generate_c, loaded
 from serpenoid.mechanics.lanes import flags, polynomial_sine
 
-EFFORT = "-O1"  # more takes four times as long to compile, and the code is no faster: its vectors are there already
 NUMBER = r"-?\d[\d.]*(?:e[+-]?\d+)?"
 VECTORS = (  # where CasADi's C puts a plain number in a variable: in C a vector needs one made of it
     (rf"\b([aw]\d+) ?= ?({NUMBER});", r"\1 = SPLAT(\2);"),

@@ -148,9 +148,11 @@ class Observation:
 
     def _displaced(self, body: Body, points: Floats, along: Floats, left: Floats) -> Floats:
         """Markers about the vertices (F, N, 2), before the scale."""
-        there = points + self.markers[:, :1] * along + self.markers[:, 1:] * left
+        ahead, aside = (np.repeat(number[:, None], 2, axis=1) for number in self.markers.T)  # arrays as long as points'
+        there = points + ahead * along + aside * left
         at = np.array(body.joint_vertices)
-        there[:, at] += self.ahead[:, :1] * along[:, at + 1] + self.ahead[:, 1:] * left[:, at + 1]
+        if self.ahead.any():
+            there[:, at] += self.ahead[:, :1] * along[:, at + 1] + self.ahead[:, 1:] * left[:, at + 1]
         return there
 
     def _by_angles(self, body: Body, left: Floats, along: Floats, joints: Iterable[int]) -> dict[int, Floats]:
@@ -162,15 +164,15 @@ class Observation:
         moved = -self.markers[:, 1:] * along + self.markers[:, :1] * left
         leading = -self.ahead[:, 1:] * along[:, at + 1] + self.ahead[:, :1] * left[:, at + 1]
         displaced = np.any(self.markers) or np.any(self.ahead)
-        ahead = np.ascontiguousarray(left[:, 1:].swapaxes(1, 2))  # (F, 2, N - 1)
+        ahead, moved, leading = (np.ascontiguousarray(x.swapaxes(1, 2)) for x in (left[:, 1:], moved, leading))
 
         def bent(joint: int) -> Floats:
             turned = (link > joint) - np.mean(link > joint)
-            points = (ahead @ (reached * turned).T).swapaxes(1, 2)
+            points = ahead @ (reached * turned).T  # (F, 2, N)
             if displaced:
-                points += np.concatenate([turned[:1], turned])[:, None] * moved
-                points[:, at] += turned[at, None] * leading
-            return points
+                points += np.concatenate([turned[:1], turned]) * moved
+                points[:, :, at] += turned[at] * leading
+            return points.swapaxes(1, 2)
 
         return {joint: bent(joint) for joint in joints}
 

@@ -58,6 +58,11 @@ class Sample:
         return np.isfinite(self.markers[..., 0])[..., None]
 
     @cached_property
+    def weights(self) -> Floats:
+        """One over the noise of each coordinate (F, 2 N); 0 of hidden ones."""
+        return np.repeat(self.seen[..., 0] / self.noise, 2, axis=1)
+
+    @cached_property
     def following(self) -> np.ndarray:
         """Whether each frame but the first follows one of its own trial (F - 1,)."""
         first = np.cumsum([len(taken) for *_, taken in self.trials])[:-1]
@@ -174,12 +179,12 @@ def evidence(data: Sample, now: Observation, columns: Sequence[int] | None = Non
     angles = data.angles(now)
     base, rows, headings = _left_by(data, now, angles)
     slopes = now.derivatives(body, angles, partial(data.by_gap, now), chosen, headings)
-    slopes *= seen / data.noise
     flat = slopes.reshape(len(chosen), *rows.shape)
+    flat *= data.weights
     rigid = np.moveaxis(flat, 0, 1) @ np.swapaxes(_rigid(base, seen), 1, 2)  # (F, C, 3): taken away, frame by frame
     matrices, vectors, constants = [], [], []
     for mine in data.gaits:
-        x, r = flat[:, mine].reshape(len(chosen), -1), rows[mine].ravel()
+        x, r = flat.take(np.flatnonzero(mine), axis=1).reshape(len(chosen), -1), rows[mine].ravel()
         inside = np.moveaxis(rigid[mine], 1, 0).reshape(len(chosen), -1)
         matrices.append(x @ x.T - inside @ inside.T)
         vectors.append(x @ r)
