@@ -210,6 +210,33 @@ def test_less_than_the_habit_of_readings_says_nothing_of_servos(followed: tuple[
     assert stage.settled
 
 
+LAG, LAGS = 0.12, 1  # s; a joint, from 0
+
+
+def _lagging(r: Recording) -> Recording:
+    """One servo follows what it used to do by a first-order lag."""
+    done, steps = r.position.copy(), np.diff(r.read_at)
+    for n, step in enumerate(steps):
+        toward = 1 - np.exp(-step / LAG)
+        done[n + 1, LAGS] = done[n, LAGS] + toward * (r.position[n, LAGS] - done[n, LAGS])
+    return replace(r, position=np.round(done / TICK) * TICK)
+
+
+def test_an_interval_holds_what_a_change_changes_of_the_habit_of_readings(followed: tuple[Recording, ...]) -> None:
+    """The joint lags behind what it did, not behind its command, as the law has it."""
+    model, unknown = Model(followed[0].body, Medium(anisotropy_ratio=0.2)), np.ones(3)
+    then = plays(_soft(followed, 1.0))
+    reference = Reference(model, Observation.neutral(model.body), (), unknown, unknown, then, 0.0)
+    stage = choose_actuation(reference.plays([_lagging(r) for r in _soft(followed, 1.0)]))
+    (named,) = stage.named
+    assert (named.effect.name, named.effect.place) == ("lagging_joint", LAGS + 1)
+    low, high = named.intervals["lag"]
+    assert low is not None
+    assert high is not None
+    assert low < LAG < high
+    assert high - low < LAG
+
+
 @pytest.mark.parametrize(
     "between", [pytest.param(0.0, marks=pytest.mark.slow), 0.5]
 )  # of the way from one of the earlier readings to the next

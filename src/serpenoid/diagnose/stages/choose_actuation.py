@@ -237,7 +237,7 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
     inverse = np.linalg.pinv(matrix / np.outer(own, own), hermitian=True) / np.outer(own, own)
     pulls = np.einsum("ij,jrm->irm", inverse, slopes)  # of a reading, on each parameter beside the others
     left, speed = (v / data.noise for v in (data.left(best.angles), data.speed(best.angles)))
-    unsure = _unsure(data, speed)
+    unsure, habit = _unsure(data, speed), _habit_changed(best, effect)
     law, intervals = effect.effect, {}
     if isinstance(law, ActuationEffect) and law.dead_time:
         speed = -slopes[0]  # a start that is open is a delay, jumps and all
@@ -248,12 +248,23 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
         timed = isinstance(law, ActuationEffect) and law.needs_seconds and p.unit != "1"
         clock = x * _rate_sd(data) if timed else 0.0
         by_chance = max(float(chance), (scores**2).sum())
-        sd = np.sqrt(by_chance + ((late * unsure) ** 2).sum() + _rounding(best, pull) + clock**2)
+        law_error = float((pull**2).sum()) * habit
+        sd = np.sqrt(by_chance + ((late * unsure) ** 2).sum() + _rounding(best, pull) + clock**2 + law_error)
         reach = NORMAL * SYSTEMATIC * sd
         intervals[p.name] = interval([p.value(float(v)) for v in (x - reach, x + reach)])
     bound = tuple(p.name for p in parameters if effect.parameters[p.name] in (p.lower, p.upper))
     stand_in = _law_error(best, effect) > 0 or _may_be_any(best, effect)
     return Named(effect, intervals, _strength(data, effect), bound, stand_in)
+
+
+def _habit_changed(best: Played, effect: ActiveEffect) -> float:
+    """Sum of squares, in units of noise, of what an effect changes of the readings' habitual error: of each joint's the
+    share that the effect is of how the joint moves."""
+    data, others = best.data, [e for e in best.effects if e.key != effect.key]
+    does = np.where(data.read, best.angles - data.realised(others), 0.0)
+    moves = np.where(data.read, best.angles - best.angles.mean(axis=0), 0.0)
+    share = (does**2).sum(axis=0) / np.maximum((moves**2).sum(axis=0), 1e-12)
+    return float((data.often * share * (data.unsure / data.noise) ** 2).sum())
 
 
 def _may_be_any(best: Played, effect: ActiveEffect) -> bool:

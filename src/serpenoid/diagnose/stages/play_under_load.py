@@ -56,8 +56,11 @@ def play_under_load(
 
 
 def ends_of(trials: Sequence[OfJoint], level: float) -> tuple[float, float] | None:
-    """Width of the gap between two ends [rad] and half of its 95 % interval, by how it scatters from trial to trial;
-    None where two ends are not what markers show, or all that lasts is below their noise level [rad]."""
+    """Width of the gap between two ends [rad] and half of its 95 % interval: by how it scatters from trial to trial,
+    and by what lasts about the ends, for a link on its way between them draws both to the middle.
+
+    None where two ends are not what markers show, or all that lasts is below their noise level [rad].
+    """
     every, read = (np.concatenate([getattr(t, name) for t in trials]) for name in ("shown", "read"))
     if len(every) < 2 or np.ptp(every) <= 0:
         return None
@@ -77,7 +80,8 @@ def ends_of(trials: Sequence[OfJoint], level: float) -> tuple[float, float] | No
     widths = [_width(t.shown, ends) for t, n in zip(trials, sides, strict=True) if n]
     value, count = float(np.mean(widths)), len(widths)
     spread = np.std(widths, ddof=1) / np.sqrt(count) if count > 1 else np.inf
-    return value, float(stdtrit(max(count - 1, 1), (1 + CONFIDENCE) / 2) * spread)
+    half = float(stdtrit(max(count - 1, 1), (1 + CONFIDENCE) / 2) * spread)
+    return value, float(np.hypot(half, np.sqrt(max(about, 0.0))))
 
 
 def two_ends(values: Floats) -> Floats:
