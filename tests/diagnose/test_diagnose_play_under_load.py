@@ -41,7 +41,7 @@ def test_play_under_load_is_named_with_its_width(healthy):
     assert [(n.effect.name, n.effect.place) for n in found] == [("loose_joint", JOINT + 1)]
     (low, high) = found[0].intervals["width"]
     assert low <= WIDTH <= high
-    # on its way a ninth of the time, WIDTH / 12^(1/2) from the nearer end (RMS): a tenth of WIDTH to either side at most
+    # on its way a ninth of the time, WIDTH / 12^(1/2) from the nearer end (RMS): at most a tenth of WIDTH to a side
     assert WIDTH / 8 < high - low < WIDTH / 5
     assert found[0].strength > 10
 
