@@ -19,7 +19,7 @@ from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.tracked import TrackedRecording
 from serpenoid.diagnose.data.used import length_unit, parameter_unit, remarks, used
 from serpenoid.diagnose.data.windows import Prediction
-from serpenoid.diagnose.inference.bounds import ratio_at_bound
+from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.finding import Divided, Named, Rival, Stage
 from serpenoid.diagnose.inference.held_out import (
     LeaveOut,
@@ -316,8 +316,13 @@ def _read(motion: Motion) -> list[Recording]:
 
 def _ratio_interval(d: Diagnosis) -> tuple[float, float]:
     """95 % of eps; of an animal that drag alone moves, over both ways to tell it: windows of smoothed points, and frame
-    by frame (`drag_ratio`), which noise of close points shifts less."""
-    low, high = ratio_interval(d.motion.selection, d.motion.stage)
+    by frame (`drag_ratio`), which noise of close points shifts less. Beside a reference eps is that of its model, which
+    may be as far from the truth as the earlier answer says."""
+    limits = d.motion.selection.settled.model.medium.limits(LEAST_EPS, MOST_EPS)
+    low, high = (
+        min(max(end * doubt, limits[0]), limits[1])
+        for end, doubt in zip(ratio_interval(d.motion.selection, d.motion.stage), d.baseline.ratio_doubt, strict=True)
+    )
     if d.drag_ratio is None or d.named:
         return low, high
     return min(low, 1 / d.drag_ratio.high), max(high, 1 / d.drag_ratio.low)

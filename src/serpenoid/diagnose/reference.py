@@ -132,6 +132,12 @@ class Reference(Baseline):
             return taken, taken
         return min(taken, self.interval[0]), max(taken, self.interval[1])
 
+    @property
+    def ratio_doubt(self) -> tuple[float, float]:
+        """By the earlier answer's interval: a model that predicts well may hold what is no cause, and another eps."""
+        low, high = self.interval
+        return min(low / self.ratio, 1.0), max(high / self.ratio, 1.0)
+
     def rows_held(self, recordings: Sequence[Recording]) -> bool | None:
         """As all logs then said that have clear commands, or as they were taken: one player plays the robot."""
         return None if any(r.held_as_told is not None for r in recordings) else self.servos.held
@@ -366,8 +372,10 @@ KEPT = (
 
 def summary(d: Diagnosis) -> dict[str, Any]:
     """What the later diagnosis reports about the earlier campaign; eps is that of the extended model, which the later
-    one begins from, and no better known than that and what is named tell."""
+    one begins from, and no better known than that and what is named tell; `answer`: as the earlier answer has it."""
     said = record(d)
-    eps, (low, high) = d.model.medium.anisotropy_ratio, said["anisotropy_ratio"]["interval"]
+    own = said["anisotropy_ratio"]
+    eps, (low, high) = d.model.medium.anisotropy_ratio, own["interval"]
     ratio = {"after": eps, "interval": [min(low, eps), max(high, eps)]}
-    return {key: said[key] for key in KEPT} | {"anisotropy_ratio": said["anisotropy_ratio"] | ratio}
+    ratio |= {"answer": {"value": own["after"], "interval": own["interval"]}}
+    return {key: said[key] for key in KEPT} | {"anisotropy_ratio": own | ratio}

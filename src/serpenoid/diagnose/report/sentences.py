@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from math import hypot
 
+from serpenoid.diagnose.data.repeats import UNLIKE
+from serpenoid.diagnose.inference.bounds import LEAST_EPS
 from serpenoid.diagnose.inference.finding import alone
 from serpenoid.diagnose.inference.laws import NEITHER
 from serpenoid.diagnose.report.words import (
@@ -31,6 +33,7 @@ WHOLE = "; joint table to path, not judged"
 GROWS = "; it grows: errors of the servos and of the medium had cancelled"
 SHOWN = 1.15  # times the noise: what reads more than 1.1
 WITHIN = "; in so few windows noise may make as much; what repeats share of it is no more than noise"
+ALIKE = 0.005  # of eps: what reads alike
 TRACELESS = 0.05  # times the noise: what would read 0.0
 MEANINGS = {
     "nothing": "{law} alone explains this recording within its noise",
@@ -55,16 +58,27 @@ def meaning(record: Record) -> str:
         return "only the anisotropy ratio has changed; that accounts for everything beyond the noise"
     if record["noise_from"] == "residuals" and record["verdict"] in UNREPEATED:
         return UNREPEATED[record["verdict"]]
-    if record["verdict"] == "nothing" and record["reference"]:
-        return "nothing has changed since the reference beyond the noise of either"
     if record.get("changed_trials"):
         return "something acts in some of the trials alone: see `changed trials`"
+    if record["verdict"] == "nothing" and record["reference"]:
+        said = "nothing has changed since the reference beyond the noise of either"
+    else:
+        said = MEANINGS[record["verdict"]].format(law=law(record))
     if record["verdict"] == "nothing" and (weak := undetected(record)):
         weaker = f"; what windows show besides moves the path by less than its noise: {few(weak)}"
     else:
         weaker = ""
     hiding = record["verdict"] in SETTLED and (record.get("noise_over_markers") or 0.0) > OTHER_CHANCE
-    return MEANINGS[record["verdict"]].format(law=law(record)) + weaker + HIDING * hiding
+    return said + weaker + HIDING * hiding + noisier(record)
+
+
+def noisier(record: Record) -> str:
+    """Where repeats differ far more than in the reference, though by no more than chance may make of so few."""
+    before = (record["reference"] or {}).get("noise_level_m")
+    times = record["noise_level_m"] / before if before and record["noise_from"] == "trials" else 1.0
+    return f"; repeats differ by {times:.2g} times as much as in the reference: look at what one of them met" * (
+        record["verdict"] in SETTLED and times > UNLIKE
+    )
 
 
 def _stage(effect: Record) -> str:
@@ -237,9 +251,21 @@ def ratio(record: Record) -> str:
         said[0] += " fitted beside what is below detection"
     if record["effects"] or eps["after"] != eps["before"]:
         said.append(f"{eps['before']:.4g} {'with nothing named' if record['effects'] else 'fitted alone'}")
-    said += [f"{_told_beside(record):.4g} in the reference"] if record["reference"] else []
+    said += _in_reference(record) if record["reference"] else []
     said += ["at its bound: a warning that the law is another"] if eps["at_bound"] else []
+    if not eps["at_bound"] and low <= LEAST_EPS:
+        said.append("its interval begins at the bound: a warning that the law is another")
     return "; ".join(said)
+
+
+def _in_reference(record: Record) -> list[str]:
+    """eps of the model that the change is told beside, and of the earlier answer, where that is another."""
+    beside, answer = _told_beside(record), record["reference"]["anisotropy_ratio"].get("answer")  # not in older answers
+    if answer is None or abs(answer["value"] - beside) < ALIKE * beside:
+        return [f"{beside:.4g} in the reference"]
+    low, high = answer["interval"]
+    told = f"{answer['value']:.4g} ({low:.4g} .. {high:.4g})"
+    return [f"{beside:.4g} in the model that predicts the reference best; its answer was {told}"]
 
 
 def changed_trials(record: Record) -> list[str]:

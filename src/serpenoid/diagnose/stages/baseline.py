@@ -61,6 +61,11 @@ class Baseline:
         """Between which eps of an earlier campaign counts as the same on these tracks; None without one."""
         return None
 
+    @property
+    def ratio_doubt(self) -> tuple[float, float]:
+        """How many times as small and as large eps of an earlier campaign may be as its model has it; 1 without one."""
+        return 1.0, 1.0
+
     def rows_held(self, recordings: Sequence[Recording]) -> bool | None:
         """Whether rows of tables are held, as they were in an earlier campaign; None without one, or where commands of
         these recordings say it."""
