@@ -140,6 +140,15 @@ def test_a_verdict_says_that_a_cause_may_hide_in_chance_that_is_no_noise_of_the_
     assert "hides" not in meaning(record | {"noise_over_markers": 1.1}) + meaning(record | {"noise_over_markers": None})
 
 
+def test_repeats_that_differ_far_more_than_in_the_reference_are_told_where_nothing_has_changed() -> None:
+    record = {"verdict": "nothing", "noise_from": "trials", "noise_level_m": 0.0248}
+    said = meaning(record | {"reference": {"noise_level_m": 0.00507}, "noise_over_markers": 31.0})
+    assert said.startswith("nothing has changed since the reference")
+    assert "hides in it" in said
+    assert "repeats differ by 4.9 times as much as in the reference" in said
+    assert "in the reference:" not in meaning(record | {"reference": {"noise_level_m": 0.01}})
+
+
 def test_what_repeats_differ_by_stands_beside_the_noise_of_the_markers() -> None:
     said, hides = chance({"noise_over_markers": 79.6, "noise_from": "trials"})
     assert said == "repeats differ by 80 times the markers' noise"
@@ -326,6 +335,17 @@ def test_the_calibration_is_told_of_beside_the_reference() -> None:
     )
     alone = {"anisotropy_ratio": eps["anisotropy_ratio"] | {"before": 0.0226}, "reference": None, "effects": []}
     assert ratio(alone) == "0.0226 (95 %: 0.021 .. 0.024)"
+    answer = {"value": 0.0243, "interval": [0.023, 0.03075]}
+    told = earlier | {"anisotropy_ratio": earlier["anisotropy_ratio"] | {"answer": answer}}
+    said = ratio(eps | {"reference": told, "effects": []})
+    assert said.endswith(
+        "0.0195 in the model that predicts the reference best; its answer was 0.0243 (0.023 .. 0.03075)"
+    )
+    alike = {"answer": {"value": 0.01953, "interval": [0.019, 0.02]}}
+    told = earlier | {"anisotropy_ratio": earlier["anisotropy_ratio"] | alike}
+    assert ratio(eps | {"reference": told, "effects": []}).endswith("0.0195 in the reference")
+    open_below = {"anisotropy_ratio": eps["anisotropy_ratio"] | {"interval": [0.005, 0.1]}}
+    assert "begins at the bound" in ratio(open_below | {"reference": None, "effects": []})
     stuck = {"anisotropy_ratio": eps["anisotropy_ratio"] | {"at_bound": True}}
     assert ratio(stuck | {"reference": None, "effects": []}).endswith("a warning that the law is another")
 
