@@ -27,6 +27,7 @@ from serpenoid.effects.active import ActiveEffect
 SEED, JOINTS, JOINT, SLIP = 31, 6, 4, 0.15  # rad
 FIRST = 1  # trials before the horn, or the marker, slips
 MARKER = 3
+PLAY = 0.2  # rad
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +69,22 @@ def test_a_marker_that_slips_is_told_by_the_edge_and_divides_trials(tmp_path: Pa
     assert int(edge) in (MARKER - 1, MARKER)
     assert float(by) == pytest.approx(-0.8 if int(edge) == MARKER else 0.8, abs=0.03)  # a marker's noise, averaged
     assert where == moved[0].name
+
+
+def test_play_in_some_trials_alone_divides_them(tmp_path: Path) -> None:
+    """A screw that comes loose amid a campaign; play is no one angle in any of the trials."""
+    protocol = with_joints(replace(usual(SEED, COMBINATIONS[:1]), plays=3), JOINTS)
+    recordings = []
+    for name, hidden in (("before", []), ("after", [Effect("loose_joint", JOINT, {"width": PLAY})])):
+        write(make(SEED, hidden, protocol=protocol), tmp_path / name)
+        recordings.append(read_recordings(tmp_path / name)[1])
+    healthy, loose = recordings
+    stage, _ = choose_observation([*healthy[:FIRST], *loose[FIRST:]], Observation.neutral(healthy[0].body))
+    assert not stage.named
+    assert stage.divided is not None
+    assert stage.divided.perhaps
+    assert stage.divided.others == tuple(r.name for r in healthy[:FIRST])
+    assert stage.divided.words.startswith(f"joint {JOINT} is not as it should be in ")
 
 
 def _slid(markers: Floats, at: int, by: float) -> Floats:

@@ -14,7 +14,7 @@ from serpenoid.diagnose.data.clocks import pooled
 from serpenoid.diagnose.data.columns import columns_of
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.inference.finding import VISIBLE, Divided, Named, Rival, Stage, excludable, interval
+from serpenoid.diagnose.inference.finding import VISIBLE, Divided, Named, Rival, Stage, alone, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained, outweighed
 from serpenoid.diagnose.stages.looked import Key, Looked, effect_of, gained_beyond
@@ -25,6 +25,7 @@ from serpenoid.diagnose.stages.marker_evidence import (
     misfit_beside,
     sample,
     structure,
+    structure_by_trial,
 )
 from serpenoid.diagnose.stages.told_lengths import instead_of_effects
 from serpenoid.effects.active import ActiveEffect
@@ -182,8 +183,10 @@ def _from_trial_to_trial(best: Looked, channel: int) -> Divided | None:
     changed most. Trials before and since are two sides if, on each, values are about one."""
     values, about = by_trial(best.data, best.now, channel)
     known = np.flatnonzero(np.isfinite(values))
-    if len(known) < 2 or about > LAW_ERROR**2:
+    if len(known) < 2:
         return None
+    if about > LAW_ERROR**2:
+        return _in_some_trials(best, channel)
     changes = np.diff(values[known])
     at = int(np.abs(changes).argmax())
     sides = known[: at + 1], known[at + 1 :]
@@ -208,6 +211,19 @@ def _from_trial_to_trial(best: Looked, channel: int) -> Divided | None:
         return Divided(words)
     others, changed = (tuple(best.data.names[i] for i in side) for side in sides)
     return Divided(words, changed, others)
+
+
+def _in_some_trials(best: Looked, channel: int) -> Divided | None:
+    """Where a joint is bent, or an edge as long, as it should be in some trials, and in others not: those leave far
+    more, as in `trials_astray`. It may be the gaits that differ, so it is `perhaps`."""
+    squares = structure_by_trial(best.data, best.now, channel)
+    astray = squares > 1 + VISIBLE**2
+    if astray.all() or not astray.any() or squares[~astray].max() > LAW_ERROR**2 * squares[astray].min():
+        return None
+    changed, others = (tuple(n for n, x in zip(best.data.names, of, strict=True) if x) for of in (astray, ~astray))
+    joints = best.data.body.joint_count
+    what = f"joint {channel + 1}" if channel < joints else f"the edge from vertex {channel - joints}"
+    return Divided(f"{what} is not as it should be in {alone(changed, others)}", changed, others, perhaps=True)
 
 
 def _next(best: Looked) -> Looked | None:

@@ -202,12 +202,23 @@ def by_trial(data: Sample, now: Observation, channel: int) -> tuple[Floats, floa
     """What a joint is bent [rad], or an edge longer [m], than an observation model says, on average in each trial (T,),
     and what is left about these averages: its mean square without white noise, as a share. channel: of `structure`."""
     left = _channels(data, now)[:, channel]
-    trial = np.repeat(np.arange(len(data.trials)), [len(taken) for *_, taken in data.trials])
-    seen = np.isfinite(left)
+    trial, seen = _trial_of(data), np.isfinite(left)
     means = np.array([np.median(left[seen & (trial == t)]) if (seen & (trial == t)).any() else np.nan
                       for t in range(len(data.trials))])  # fmt: skip
     whole, about = (np.nanmean((x[1:] * x[:-1])[data.following]) for x in (left, left - means[trial]))
     return means * data.levels[channel], float(max(about, 0.0) / whole)
+
+
+def structure_by_trial(data: Sample, now: Observation, channel: int) -> Floats:
+    """The same as `structure` of one channel in each trial alone (T,)."""
+    left, trial = _channels(data, now)[:, [channel]], _trial_of(data)
+    inside = [np.flatnonzero(trial == t) for t in range(len(data.trials))]
+    return np.concatenate([chance.structure(left[rows], data.following[rows[:-1]]) for rows in inside])
+
+
+def _trial_of(data: Sample) -> np.ndarray:
+    """Number (F,) of each frame's trial."""
+    return np.repeat(np.arange(len(data.trials)), [len(taken) for *_, taken in data.trials])
 
 
 def _channels(data: Sample, now: Observation) -> Floats:
