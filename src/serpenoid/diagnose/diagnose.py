@@ -319,10 +319,8 @@ def _ratio_interval(d: Diagnosis) -> tuple[float, float]:
     by frame (`drag_ratio`), which noise of close points shifts less. Beside a reference eps is that of its model, which
     may be as far from the truth as the earlier answer says."""
     limits = d.motion.selection.settled.model.medium.limits(LEAST_EPS, MOST_EPS)
-    low, high = (
-        min(max(end * doubt, limits[0]), limits[1])
-        for end, doubt in zip(ratio_interval(d.motion.selection, d.motion.stage), d.baseline.ratio_doubt, strict=True)
-    )
+    ends = np.multiply(ratio_interval(d.motion.selection, d.motion.stage), d.baseline.ratio_doubt)
+    low, high = np.clip(ends, *limits).tolist()
     if d.drag_ratio is None or d.named:
         return low, high
     return min(low, 1 / d.drag_ratio.high), max(high, 1 / d.drag_ratio.low)

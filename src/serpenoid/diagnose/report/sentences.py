@@ -75,10 +75,11 @@ def meaning(record: Record) -> str:
 def noisier(record: Record) -> str:
     """Where repeats differ far more than in the reference, though by no more than chance may make of so few."""
     before = (record["reference"] or {}).get("noise_level_m")
-    times = record["noise_level_m"] / before if before and record["noise_from"] == "trials" else 1.0
-    return f"; repeats differ by {times:.2g} times as much as in the reference: look at what one of them met" * (
-        record["verdict"] in SETTLED and times > UNLIKE
-    )
+    if not before or record["noise_from"] != "trials" or record["verdict"] not in SETTLED:
+        return ""
+    more = record["noise_level_m"] / before
+    said = f"; repeats differ by {more:.2g} times as much as in the reference: look at what one of them met"
+    return said if more > UNLIKE else ""
 
 
 def _stage(effect: Record) -> str:

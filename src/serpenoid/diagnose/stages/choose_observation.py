@@ -217,10 +217,10 @@ def _in_some_trials(best: Looked, channel: int) -> Divided | None:
     """Where a joint is bent, or an edge as long, as it should be in some trials, and in others not: those leave far
     more, as in `trials_astray`. It may be the gaits that differ, so it is `perhaps`."""
     squares = structure_by_trial(best.data, best.now, channel)
-    astray = squares > 1 + VISIBLE**2
-    if astray.all() or not astray.any() or squares[~astray].max() > LAW_ERROR**2 * squares[astray].min():
+    astray, calm = squares > 1 + VISIBLE**2, squares <= 1 + VISIBLE**2  # neither: of what a trial does not show
+    if not calm.any() or not astray.any() or squares[calm].max() > LAW_ERROR**2 * squares[astray].min():
         return None
-    changed, others = (tuple(n for n, x in zip(best.data.names, of, strict=True) if x) for of in (astray, ~astray))
+    changed, others = (tuple(n for n, x in zip(best.data.names, of, strict=True) if x) for of in (astray, calm))
     joints = best.data.body.joint_count
     what = f"joint {channel + 1}" if channel < joints else f"the edge from vertex {channel - joints}"
     return Divided(f"{what} is not as it should be in {alone(changed, others)}", changed, others, perhaps=True)

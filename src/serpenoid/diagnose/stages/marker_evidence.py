@@ -210,10 +210,12 @@ def by_trial(data: Sample, now: Observation, channel: int) -> tuple[Floats, floa
 
 
 def structure_by_trial(data: Sample, now: Observation, channel: int) -> Floats:
-    """The same as `structure` of one channel in each trial alone (T,)."""
+    """The same as `structure` of one channel in each trial alone (T,); NaN where a trial shows nothing of it."""
     left, trial = _channels(data, now)[:, [channel]], _trial_of(data)
     inside = [np.flatnonzero(trial == t) for t in range(len(data.trials))]
-    return np.concatenate([chance.structure(left[rows], data.following[rows[:-1]]) for rows in inside])
+    found = np.concatenate([chance.structure(left[rows], data.following[rows[:-1]]) for rows in inside])
+    shown = [bool(np.isfinite(left[rows]).any()) for rows in inside]
+    return np.where(shown, found, np.nan)
 
 
 def _trial_of(data: Sample) -> np.ndarray:
