@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -467,13 +467,23 @@ class Worth:
         return Priced(self.there - sum(self.gains), self.size, 100.0)
 
 
-def each_without(found: Worth) -> list[Worth]:
-    return [replace(found, gains=found.gains[:i] + found.gains[i + 1 :]) for i in range(found.size)]
-
-
 def test_effects_that_gain_no_more_than_the_null_are_dropped() -> None:
-    best = earned(Worth((500.0, 30.0, 200.0)), Worth(()), each_without, lambda found: 40.0)
+    fitted = []
+
+    def each_without(found: Worth, some: Sequence[int]) -> list[Worth]:
+        fitted.extend(found.gains[i] for i in some)
+        return [replace(found, gains=found.gains[:i] + found.gains[i + 1 :]) for i in some]
+
+    best = earned(Worth((500.0, 30.0, 20.0, 200.0, 10.0)), Worth(()), each_without, lambda found: 40.0)
     assert best.gains == (500.0, 200.0)
+    assert fitted == [500.0, 30.0, 20.0, 200.0, 10.0, 20.0, 30.0, 200.0, 500.0]  # who gained least is asked first
+
+
+def test_of_two_that_do_the_same_one_is_dropped_and_the_other_then_gains() -> None:
+    def without(found: Worth, some: Sequence[int]) -> list[Worth]:
+        return [replace(found, gains=tuple(300.0 for _ in range(found.size - 1))) for _ in some]
+
+    assert earned(Worth((30.0, 20.0)), Worth(()), without, lambda found: 40.0).gains == (300.0,)
 
 
 def test_effects_that_together_take_away_less_than_they_leave_are_no_causes() -> None:

@@ -77,18 +77,27 @@ def outweighed(bare: Priced, best: Priced) -> bool:
     return bool(bare.chi2 - best.chi2 < best.chi2 - best.count)
 
 
-def earned(best: E, bare: E, each_without: Callable[[E], Sequence[E | None]], needed: Callable[[E], float]) -> E:
+def earned(
+    best: E, bare: E, without: Callable[[E, Sequence[int]], Sequence[E | None]], needed: Callable[[E], float]
+) -> E:
     """Without effects that gain no more, beside the others, than the null of what is left; the least first.
 
-    bare: no effect at all; each_without: fits without each of its effects; None: it is plainly a cause.
+    bare: no effect at all; without: fits without each of some effects, by index; None: it is plainly a cause. After one
+    is dropped the others are asked in the order of what they gained before, until one gains no more: each is a fit.
     """
+    gains = np.full(best.size, np.nan)
     while best.size:
-        doubtful = [bare] if best.size == 1 else each_without(best)
-        bases = [b for b in doubtful if b is not None]
-        idle = least_idle(best.priced, [b.priced for b in bases], needed(best))
-        if idle is None:
+        least, asked = needed(best), np.argsort(gains).tolist()
+        for some in [asked] if np.isnan(gains).any() else [[i] for i in asked]:
+            bases = [bare] if best.size == 1 else without(best, some)
+            found = {i: b for i, b in zip(some, bases, strict=True) if b is not None}
+            gains[some] = [found[i].priced.chi2 - best.priced.chi2 if i in found else np.inf for i in some]
+            idle = min(some, key=lambda i: gains[i])
+            if idle in found and not gains[idle] > least:
+                best, gains = found[idle], np.delete(gains, idle)
+                break
+        else:
             break
-        best = bases[idle]
     return best
 
 

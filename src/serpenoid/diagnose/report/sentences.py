@@ -343,6 +343,8 @@ def chance(record: Record) -> list[str]:
         return []
     if record["noise_from"] == "residuals":
         return [f"what the model leaves is {ratio:.2g} times the markers' noise"]
+    if record["noise_from"] == "cycles":
+        return [f"cycles of one trial differ by {ratio:.2g} times the markers' noise"]
     return [
         f"repeats differ by {ratio:.2g} times the markers' noise",
         "what acts on one repeat and not on the other counts as noise, and hides what is smaller",

@@ -219,14 +219,18 @@ def _rivals(best: Played, effect: ActiveEffect, singles: list[Attempt]) -> list[
     return found
 
 
-def _each_without(best: Played) -> list[Played]:
-    tasks = [(refined, (best.data, [e for e in best.effects if e is not out], out)) for out in best.effects]
+def _each_without(best: Played, some: Sequence[int]) -> list[Played]:
+    """Without each of some effects, by index."""
+    tasks = [(refined, (best.data, _others(best, i), best.effects[i])) for i in some]
     return [Played(best.data, effects) for effects in in_processes(tasks)]
 
 
 def _without(best: Played, index: int) -> Played:
-    kept = [e for i, e in enumerate(best.effects) if i != index]
-    return Played(best.data, refined(best.data, kept, best.effects[index]))
+    return _each_without(best, [index])[0]
+
+
+def _others(best: Played, index: int) -> list[ActiveEffect]:
+    return [e for i, e in enumerate(best.effects) if i != index]
 
 
 def _named(best: Played, effect: ActiveEffect) -> Named:

@@ -90,9 +90,9 @@ class Looked:
         now = self._cleared(self.keys[index])
         return replace(self, now=solved(self.data, now, kept), keys=kept)
 
-    def each_without(self) -> list[Looked | None]:
-        """One less, each in turn; None of one that to first order takes away far more than is needed."""
-        return [None if self._worth(i) > PLAINLY * self.needed else self.without_one(i) for i in range(self.size)]
+    def each_without(self, some: Sequence[int]) -> list[Looked | None]:
+        """One less, each of some in turn; None of one that to first order takes away far more than is needed."""
+        return [None if self._worth(i) > PLAINLY * self.needed else self.without_one(i) for i in some]
 
     def _worth(self, index: int) -> float:
         """Chi squared that an effect takes away, to first order."""
