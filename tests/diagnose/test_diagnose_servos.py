@@ -479,11 +479,33 @@ def test_effects_that_gain_no_more_than_the_null_are_dropped() -> None:
     assert fitted == [500.0, 30.0, 20.0, 200.0, 10.0, 20.0, 30.0, 200.0, 500.0]  # who gained least is asked first
 
 
-def test_of_two_that_do_the_same_one_is_dropped_and_the_other_then_gains() -> None:
-    def without(found: Worth, some: Sequence[int]) -> list[Worth]:
-        return [replace(found, gains=tuple(300.0 for _ in range(found.size - 1))) for _ in some]
+LEFT = {"abc": 180.0, "bc": 210.0, "ac": 200.0, "ab": 680.0, "a": 700.0, "b": 710.0, "c": 500.0, "": 1000.0}
 
-    assert earned(Worth((30.0, 20.0)), Worth(()), without, lambda found: 40.0).gains == (300.0,)
+
+@dataclass(frozen=True)
+class Alike:
+    """Effects of which a and b do nearly the same."""
+
+    names: str
+
+    @property
+    def size(self) -> int:
+        return len(self.names)
+
+    @property
+    def priced(self) -> Priced:
+        return Priced(LEFT[self.names], self.size, 100.0)
+
+
+def test_of_two_that_do_the_same_the_lesser_is_dropped_and_the_other_is_asked_anew() -> None:
+    asked = []
+
+    def without(found: Alike, some: Sequence[int]) -> list[Alike]:
+        asked.append("".join(found.names[i] for i in some))
+        return [Alike(found.names[:i] + found.names[i + 1 :]) for i in some]
+
+    assert earned(Alike("abc"), Alike(""), without, lambda found: 40.0).names == "ac"
+    assert asked == ["abc", "a", "c"]  # 30, 20 and 500 beside all; 300 and 500 without b
 
 
 def test_effects_that_together_take_away_less_than_they_leave_are_no_causes() -> None:

@@ -15,6 +15,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 from scipy.special import chdtri
 
+from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import ERROR
 
 
@@ -82,23 +83,35 @@ def earned(
 ) -> E:
     """Without effects that gain no more, beside the others, than the null of what is left; the least first.
 
-    bare: no effect at all; without: fits without each of some effects, by index; None: it is plainly a cause. After one
-    is dropped the others are asked in the order of what they gained before, until one gains no more: each is a fit.
+    bare: no effect at all; without: fits without each of some effects, by index; None: it is plainly a cause.
     """
-    gains = np.full(best.size, np.nan)
+    gains = np.full(best.size, -np.inf)
     while best.size:
-        least, asked = needed(best), np.argsort(gains).tolist()
-        for some in [asked] if np.isnan(gains).any() else [[i] for i in asked]:
-            bases = [bare] if best.size == 1 else without(best, some)
-            found = {i: b for i, b in zip(some, bases, strict=True) if b is not None}
-            gains[some] = [found[i].priced.chi2 - best.priced.chi2 if i in found else np.inf for i in some]
-            idle = min(some, key=lambda i: gains[i])
-            if idle in found and not gains[idle] > least:
-                best, gains = found[idle], np.delete(gains, idle)
-                break
-        else:
+        base, gains = _without_the_least(best, bare, without, needed(best), gains)
+        if base is None:
             break
+        best = base
     return best
+
+
+def _without_the_least(
+    best: E, bare: E, without: Callable[[E, Sequence[int]], Sequence[E | None]], needed: float, gains: Floats
+) -> tuple[E | None, Floats]:
+    """The explanation without the effect that gains least, None if that is more than is needed; and what each of the
+    others gains. gains: the same before the last was dropped; since then they have grown, so that only where it is the
+    least of all is another fit needed (Minoux, Optimization Techniques, 234, 1978), and before all are kept."""
+    bases, gains = dict[int, E | None](), gains.copy()
+    while len(bases) < best.size:
+        first = int(gains.argmin())
+        asked = [i for i in range(best.size) if i not in bases and (first in bases or gains[i] == gains[first])]
+        found = [bare] if best.size == 1 else without(best, asked)
+        bases |= zip(asked, found, strict=True)
+        gains[asked] = [np.inf if b is None else b.priced.chi2 - best.priced.chi2 for b in found]
+        first = int(gains.argmin())
+        base = bases.get(first)
+        if base is not None and not gains[first] > needed:
+            return base, np.delete(gains, first)
+    return None, gains
 
 
 def least_idle(
