@@ -50,7 +50,7 @@ def test_a_family_that_fails_on_the_ladder_is_listed_with_the_reason(
         return replace(found, status=Status.NOT_CONVERGED) if gait.family == "fourier" else found
 
     monkeypatch.setattr(ladder, "solve_from", failing)
-    words = ["--set", "body.vertices=5", "--starts", "2", "--ladder", "--no-figures"]
+    words = ["--set", "body.vertices=5", "--starts", "1", "--ladder", "--no-figures"]
     assert main(["solve", str(REFERENCE), *words, "--c", "0.5", "--out", str(tmp_path / "out")]) == 1
     captured = capsys.readouterr()
     steps = json.loads((tmp_path / "out" / "ladder.json").read_text())["steps"]

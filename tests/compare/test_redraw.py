@@ -46,6 +46,7 @@ def test_a_curve_moves_as_by_integrals_along_it(dissipation: str) -> None:
     assert way == pytest.approx(true, rel=5e-5)
 
 
+@pytest.mark.slow
 def test_the_interval_of_k_knows_what_noise_of_shapes_does_beyond_first_order() -> None:
     """Points whose noise is a fortieth of their distance: K of these comes out 0.15 % too large, two standard errors of
     first order."""

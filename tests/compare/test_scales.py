@@ -45,6 +45,7 @@ def by_scales(campaign: Campaign, trial: str | None) -> tuple[float, float]:
     return float(scales_sd(model, segments, larger, found.solution)[0]), float(found.sd[0])
 
 
+@pytest.mark.slow
 def test_films_of_two_zooms_have_scales_of_their_own_and_k_is_that_of_known_ones(tmp_path: Path) -> None:
     unknown = films(tmp_path / "u", (PIXELS, 1.5 * PIXELS))
     known = films(tmp_path / "k", (PIXELS, PIXELS), f"metres_per_pixel = {0.2 / PIXELS}")

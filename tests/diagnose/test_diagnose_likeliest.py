@@ -48,6 +48,7 @@ def test_beside_a_law_that_is_wrong_the_cause_is_likelier_than_a_heap(tmp_path: 
     assert likeliest(motion, alone, [alone, heap]) is alone
 
 
+@pytest.mark.slow
 def test_of_an_effect_that_is_large_all_places_are_tried_from_where_it_was_fitted(tmp_path: Path) -> None:
     """First order about neutral tells neither how much a seized wheel does nor which one it is."""
     motion, (alone, _) = explanations(tmp_path, [LAW], seizure=0.98)

@@ -186,6 +186,7 @@ def test_pushes_that_last_for_some_windows_raise_no_doubt(time: float) -> None:
     assert alone > 4 or time < 1
 
 
+@pytest.mark.slow
 def test_floors_that_differ_from_trial_to_trial_raise_no_doubt() -> None:
     """A window shows a third of its noise of them; strung together, windows' noise is a third of what they make."""
     doubts, ratios, alone = 0, [], 0

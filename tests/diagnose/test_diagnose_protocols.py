@@ -211,6 +211,7 @@ def test_a_log_of_another_motion_is_refused_with_its_remedy(tmp_path: Path) -> N
         read_recordings(tmp_path)
 
 
+@pytest.mark.slow
 def test_cycles_that_are_not_in_the_recording_are_said_and_cost_nothing(tmp_path: Path) -> None:
     campaign = make(SEED, 0, protocol=usual(SEED, COMBINATIONS[1:2]))
     (whole, *_) = recorded(campaign, tmp_path)

@@ -65,6 +65,7 @@ def test_what_changed_since_the_reference_is_named_and_what_was_so_is_not(tmp_pa
     assert [e["name"] for e in said["reference"]["effects"]] == ["toe"]
 
 
+@pytest.mark.slow
 def test_a_camera_that_was_stretched_then_is_taken_out_and_is_no_news(tmp_path: Path) -> None:
     """Nothing is left to be fitted on its stage, and clocks are laid beside it all the same."""
     camera = Effect("camera_stretch", None, {"longer": 0.008, "shear": -0.006})

@@ -28,6 +28,7 @@ def test_a_crawling_robots_rough_or_smooth_link_is_named_as_its_skin(
     assert low < roughness < high < low + 0.4
 
 
+@pytest.mark.slow
 def test_without_a_kind_the_same_is_a_worn_wheel(tmp_path: Path) -> None:
     eps = _campaign(tmp_path, 1.0, None)
     _, found = diagnose_campaign(tmp_path)

@@ -71,6 +71,7 @@ def test_a_marker_that_slips_is_told_by_the_edge_and_divides_trials(tmp_path: Pa
     assert where == moved[0].name
 
 
+@pytest.mark.slow
 def test_play_in_some_trials_alone_divides_them(tmp_path: Path) -> None:
     """A screw that comes loose amid a campaign; play is no one angle in any of the trials."""
     protocol = with_joints(replace(usual(SEED, COMBINATIONS[:1]), plays=3), JOINTS)

@@ -89,9 +89,8 @@ def test_windows_of_a_body_that_coasts_do_not_depend_on_the_mesh(
     assert (error < massless / 10).all()  # of the fourth order, where what a massless mesh puts back leaves the second
 
 
-@pytest.mark.parametrize(
-    ("kind", "film_s"), [("pulses", SHORT_S), *(pytest.param(k, 8.0, marks=pytest.mark.slow) for k in sorted(OUTSIDE))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "film_s"), [("pulses", SHORT_S), *((k, 8.0) for k in sorted(OUTSIDE))])
 def test_what_is_outside_the_catalogue_is_not_called_added_mass(kind: str, film_s: float, tmp_path: Path) -> None:
     rng = np.random.default_rng(51)
     swimmer = Swimmer(Ground(0.6, external=(OUTSIDE[kind](rng),)), 51, film_s)

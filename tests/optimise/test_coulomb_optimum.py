@@ -41,6 +41,7 @@ def unequal() -> MultiStart:
     return solve(problem(*UNEQUAL), starts=2, seed=0)
 
 
+@pytest.mark.slow
 def test_unequal_links_on_dry_ground_are_optimised_from_every_start(unequal: MultiStart) -> None:
     """A plain search over forward simulations (SLSQP) reaches -0.5922 and -0.5926 from three starts."""
     assert [s.status for s in unequal.solutions] == [Status.SOLVED] * 2
@@ -56,6 +57,7 @@ def test_of_failed_starts_the_gait_that_goes_is_shown_and_not_the_one_that_stand
     assert MultiStart((standing, loose), ()).best is loose
 
 
+@pytest.mark.slow
 def test_a_sweep_over_the_price_of_friction_is_certified_throughout() -> None:
     """Where dissipation is free the gait goes farthest, and steps are longest: 40 are 6.3 % off, 60 are 3.5 %."""
     result = sweep(problem(*DRY, "task.steps=60"), np.linspace(0, 2, 3), starts=2, seed=1)

@@ -80,6 +80,7 @@ WALLED = (  # a table whose optimum without obstacles leads to what cannot be me
 )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_start_that_meets_all_demands_is_not_lost_by_the_easier_problem_without_obstacles() -> None:
     found = solve(problem(*WALLED), starts=1).best
     assert found.status is Status.SOLVED
