@@ -17,7 +17,7 @@ def _log_normal(s: float, gaits: int, seed: int = 0) -> tuple[np.ndarray, np.nda
     return y * np.exp(s * rng.normal(size=gaits)), y
 
 
-@pytest.mark.parametrize("s", [0.2005, 0.243, 0.299])
+@pytest.mark.parametrize("s", [0.2005, *(pytest.param(s, marks=pytest.mark.slow) for s in (0.243, 0.299))])
 def test_mean_of_xi_is_exp_s_squared_for_log_normal_quotients(s):
     found = ratio_statistics("X/Y", *_log_normal(s, 3000))
     assert found.mean == pytest.approx(np.exp(found.s**2), abs=0.004)  # 3000 gaits: fourth moments scatter by this much

@@ -157,7 +157,7 @@ def test_held_rows_may_be_goals_unless_labels_say_that_they_were_due_as_they_wer
     assert not goals(START_S + plan.row_s, logged(square(2), 50))  # commands that run
 
 
-@pytest.mark.parametrize(("hertz", "missing"), [(50, 0.0), (20, 0.0), (20, 0.2)])
+@pytest.mark.parametrize(("hertz", "missing"), [(50, 0.0), pytest.param(20, 0.0, marks=pytest.mark.slow), (20, 0.2)])
 def test_commands_may_be_goals_that_are_run_to_until_the_next(trial: Recording, hertz: float, missing: float) -> None:
     lag, told = 0.03, told_goals(trial, hertz, 0.03, missing=missing)
     assert told.held_as_told
@@ -199,7 +199,11 @@ def test_what_servos_are_expected_to_do_is_on_the_clock_of_the_recordings_it_is_
 
 @pytest.mark.parametrize(
     ("hertz", "lag", "missing"),
-    [(20, 0.06, 0.0), (50, 0.02, 0.0), pytest.param(50, 0.06, 0.0, marks=pytest.mark.slow), (50, 0.06, 0.2)],
+    [
+        (20, 0.06, 0.0),
+        *(pytest.param(50, *of, marks=pytest.mark.slow) for of in ((0.02, 0.0), (0.06, 0.0))),
+        (50, 0.06, 0.2),
+    ],
 )
 def test_rows_that_are_held_as_commanded_are_no_goals(
     trial: Recording, hertz: float, lag: float, missing: float

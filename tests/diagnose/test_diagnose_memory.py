@@ -170,7 +170,7 @@ def test_what_an_earlier_campaign_told_counts_too() -> None:
     assert alone.beside(few).fewer > alone.fewer
 
 
-@pytest.mark.parametrize("time", [0.0, pytest.param(0.25, marks=pytest.mark.slow), 1.0])
+@pytest.mark.parametrize("time", [1.0, *(pytest.param(t, marks=pytest.mark.slow) for t in (0.0, 0.25))])
 def test_pushes_that_last_for_some_windows_raise_no_doubt(time: float) -> None:
     """As independent windows draw them, paths of most campaigns whose pushes last for a second stray."""
     doubts, ratios, alone = 0, [], 0

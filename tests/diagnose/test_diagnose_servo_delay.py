@@ -50,7 +50,7 @@ def assert_both(stage: Stage, **truth: dict[str, float]) -> None:
             assert low < value < high
 
 
-@pytest.mark.parametrize("delay", [pytest.param(0.015, marks=pytest.mark.slow), 0.06, 0.2])
+@pytest.mark.parametrize("delay", [0.06, *(pytest.param(d, marks=pytest.mark.slow) for d in (0.015, 0.2))])
 def test_servos_that_do_everything_late_have_a_delay(recordings: tuple[Recording, ...], delay: float) -> None:
     named = alone(choose_actuation(plays(logged(recordings, late(delay)))))
     assert named.effect.key == ("servo_delay", None)

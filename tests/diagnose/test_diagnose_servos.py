@@ -307,7 +307,7 @@ def dead_from_half_time(time: np.ndarray, told: np.ndarray) -> np.ndarray:
     return np.where(time < time.mean(), told, told[len(told) // 2])
 
 
-@pytest.mark.parametrize("law", [clipped, dead_from_half_time])
+@pytest.mark.parametrize("law", [pytest.param(clipped, marks=pytest.mark.slow), dead_from_half_time])
 def test_a_fault_of_one_servo_that_is_no_law_of_the_catalogue_gets_no_name(
     recordings: tuple[Recording, ...], law: Callable[[np.ndarray, np.ndarray], np.ndarray]
 ) -> None:

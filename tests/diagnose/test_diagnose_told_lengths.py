@@ -163,7 +163,8 @@ def test_a_stretched_camera_and_a_wrong_link_are_told_as_both(tmp_path: Path) ->
     assert "the others are as told" in stage.mend
 
 
-@pytest.mark.parametrize("middles", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("middles", [False, True])
 def test_the_one_edge_that_differs_is_told_of_those_that_are_written(tmp_path: Path, middles: bool) -> None:
     """Not the whole list, nor halves of edges where drag sits in their middles."""
     protocol = draw_protocol(29)

@@ -371,7 +371,7 @@ def test_a_point_without_a_score_is_no_doubtful_one(tmp_path):
     assert read_sleap(tmp_path / "m.csv", RATE, minimum_score=0.6).seen.all()
 
 
-@pytest.mark.parametrize("version", ["4", "5"])
+@pytest.mark.parametrize("version", [pytest.param("4", marks=pytest.mark.slow), "5"])
 def test_what_matlab_saved_is_the_same_and_what_is_damaged_is_refused(tmp_path, version):
     time, points = swimmer()
     both = {"x": points[..., 0], "y": points[..., 1]} if version == "4" else {"points": points}
