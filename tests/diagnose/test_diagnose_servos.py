@@ -28,7 +28,7 @@ from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
 from serpenoid.diagnose.stages.actuation import fit_everywhere, plays
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation, off_by_rounding
+from serpenoid.diagnose.stages.choose_actuation import choose_actuation, noise_at_rest, off_by_rounding
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.witness import WrongLog, _said, of_servos, unlike_told
@@ -530,7 +530,7 @@ def test_noise_blurs_what_rounding_does_to_the_mean_of_readings_at_rest() -> Non
         mean = (ticks[1:] * np.diff(below, axis=1)).sum(axis=1)
         expected = np.sqrt(np.mean((mean - at) ** 2)) * TICK
         # the second harmonic is half as large where nothing is blurred, and below a fifth of the first from here on
-        assert off_by_rounding(np.array(noise * TICK)) == pytest.approx(expected, rel=0.03)
+        assert off_by_rounding(noise * TICK) == pytest.approx(expected, rel=0.03)
 
 
 def test_noise_that_is_larger_than_it_was_taken_for_is_no_structure_of_readings() -> None:
@@ -593,3 +593,31 @@ def test_rows_that_run_do_so_for_servos_that_are_all_weak(loss: float, tmp_path:
     assert {n.effect.name for n in stage.named} == {"gain_loss"}
     for named in stage.named:
         assert named.effect.parameters["loss"] == pytest.approx(loss, abs=0.002)
+
+
+def test_who_reads_the_same_tick_again_and_again_has_no_noise_that_blurs_it() -> None:
+    rng, ticks = np.random.default_rng(8), np.repeat([0, 1], 400)
+    assert off_by_rounding(0.0) == pytest.approx(TICK / np.sqrt(12), rel=0.01)
+    assert noise_at_rest(np.where(ticks == 0, 0.3, -0.2) * TICK, ticks, TICK) == pytest.approx(0.0, abs=1e-9 * TICK)
+    assert noise_at_rest(0.5 * TICK * rng.normal(size=800), ticks, TICK) == pytest.approx(0.5 * TICK, rel=0.1)
+    assert noise_at_rest(3 * TICK * rng.normal(size=800), ticks, TICK) == TICK
+    assert noise_at_rest(np.array([0.4 * TICK]), np.zeros(1, int), TICK) == TICK  # one reading does not tell
+
+
+def test_the_value_of_a_joint_that_stands_still_holds_half_a_tick_and_no_more(
+    recordings: tuple[Recording, ...],
+) -> None:
+    """Readings that never leave a tick; between ticks nobody knows where the joint is."""
+    angle = 0.1 + 0.4 * TICK
+    stuck = []
+    for r in recordings:
+        position = r.position.copy()
+        position[:, 3] = np.round(angle / TICK) * TICK
+        stuck.append(replace(r, position=position))
+    (named,) = choose_actuation(plays(stuck)).named
+    assert named.effect.key == ("stuck_joint", 4)
+    low, high = named.intervals["angle"]
+    assert low is not None
+    assert high is not None
+    assert low < angle < high
+    assert high - low < 1.5 * TICK

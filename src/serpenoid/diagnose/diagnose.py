@@ -237,10 +237,11 @@ def concluded(
     predicted = tuple(held_out(found.motion, found.null, leave_out))
     extension, better = found.best, tuple(held_out(found.motion, found.best, leave_out))
     extensions = found.extensions if any(stage.named for stage in stages) else ()
-    for wider in filter(None, (*extensions, laws_together(found))):
-        unseen = tuple(held_out(found.motion, wider, leave_out))
+    bare = () if motion.stage.named else (found.null,)
+    for other in filter(None, (*extensions, *bare, laws_together(found))):
+        unseen = tuple(held_out(found.motion, other, leave_out))
         if path_error(found.motion, unseen, jumps) < path_error(found.motion, better, jumps):
-            extension, better = wider, unseen
+            extension, better = other, unseen
     before, after = scores(found.motion, predicted), scores(found.motion, better, jumps)
     changed = ratio_changed(motion, baseline)
     return Diagnosis(

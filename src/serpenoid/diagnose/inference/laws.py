@@ -217,11 +217,16 @@ def own_speed(motion: Motion) -> float:
 
 
 def _named(found: Selection, model: Model, alone: Fit) -> Fit:
-    """The same with what is named, as far as it acts there; begun without the effects."""
+    """The same with what is named, as far as it acts there; begun without the effects, and with moderate ones: where
+    the law alone is far off, first order about none of them leads nowhere."""
     effects = _acting(found.best.effects, model.medium.law)
-    own, resting = list(alone.effects), [p.resting for e in effects for p in e.effect.parameters]
-    x = np.array([*alone.coordinates, *resting])
-    both = fit(found.motion, model, [*own, *effects], x, TO_THE_END) if effects else alone
+    if not effects:
+        return alone
+    resting = [p.resting for e in effects for p in e.effect.parameters]
+    typical = [x for e in effects for x in ActiveEffect.typical(e.name, e.place).coordinates[:-1]]
+    starts = [np.array([*alone.coordinates, *begun]) for begun in (resting, typical)]
+    tasks = [(fit, (found.motion, model, [*alone.effects, *effects], x, TO_THE_END)) for x in starts]
+    both = min(in_processes(tasks), key=_missed)
     return both if np.isfinite(_missed(both)) else alone
 
 

@@ -95,7 +95,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
     idle = 0
     passed: list[Fit] = []
     for level in range(AT_MOST):
-        say(f"looking for effect {level + 1}")
+        say(f"looking for effect {level + 1} beside {model.law.title}")
         ranked = score(motion, best)
         scores = scores or tuple((e.name, e.place, s) for e, s, _ in ranked)
         if not ranked:  # whatever may act would have to act backwards
@@ -103,8 +103,9 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
         worth = max(HOPELESS * gained_by_chance(len(ranked)), SHARE * ranked[0][1])
         promising = [r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > worth]
         tries = attempts(motion, best, promising)
-        if (not level or motion.unrepeated) and all(off_by(motion, t.fit) > FAR for t in tries):
-            tries += attempts(motion, best, from_typical(motion, best))
+        if all(off_by(motion, t.fit) > FAR for t in tries):
+            some = [e for e in from_typical(motion, best) if not level or motion.unrepeated or e[0].effect.remembers]
+            tries += attempts(motion, best, some)
         tries += attempts(motion, best, at_other_places(best, tries))
         least_left = min(f.chi2 for f in (best, *(t.fit for t in tries)))
         if rival is not None and least_left > UNCLEAR * best.evidence.count.sum():
@@ -330,10 +331,10 @@ def beside(motion: Motion, rival: Try, count: int) -> list[Try]:
 
 
 def from_typical(motion: Motion, base: Fit) -> list[Ranked]:
-    """Effects without a place or a memory, from moderate values: neutral ones are too far off to tell."""
+    """Effects without a place, from moderate values: neutral ones are too far off to tell."""
     barred = motion.untestable | {e.name for e in base.effects}
     absent = (c for c in candidates_of(base) if c.place is None and c.name not in barred)
-    typical = [ActiveEffect.typical(c.name) for c in absent if not c.effect.remembers]
+    typical = [ActiveEffect.typical(c.name) for c in absent]
     return [(e, 0.0, np.concatenate([base.coordinates, e.coordinates[:-1]])) for e in typical]
 
 

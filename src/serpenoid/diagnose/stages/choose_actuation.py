@@ -267,7 +267,7 @@ def _habit_changed(best: Played, effect: ActiveEffect) -> float:
     data, others = best.data, [e for e in best.effects if e.key != effect.key]
     does = np.where(data.read, best.angles - data.realised(others), 0.0)
     moves = np.where(data.read, best.angles - best.angles.mean(axis=0), 0.0)
-    share = (does**2).sum(axis=0) / np.maximum((moves**2).sum(axis=0), 1e-12)
+    share = np.minimum((does**2).sum(axis=0) / np.maximum((moves**2).sum(axis=0), 1e-12), 1.0)  # one that stands still
     return float((data.often * share * (data.unsure / data.noise) ** 2).sum())
 
 
@@ -299,24 +299,38 @@ def _unsure(data: Plays, speed: np.ndarray) -> np.ndarray:
 
 def _rounding(best: Played, pull: np.ndarray) -> float:
     """Variance of a sum over readings (R, m), in units of noise, by what rounding to ticks does to joints at rest."""
-    data = best.data
-    off = off_by_rounding(np.sqrt(np.maximum(data.noise**2 - TICK**2 / 12, 0.0))) / data.noise
+    data, left = best.data, best.data.readings - best.angles
     apart = float(np.median(np.concatenate([np.diff(t) for t in data.times])))
-    resting = np.abs(data.speed(best.angles)) * apart < AT_REST * TICK
+    resting = data.read & (np.abs(data.speed(best.angles)) * apart < AT_REST * TICK)
     ticks = np.round(best.angles / TICK).astype(int)
+    ticks -= ticks.min(axis=0)
     total = 0.0
     for j, there in enumerate(resting.T):
-        shared = np.bincount(ticks[there, j] - ticks[:, j].min(), pull[there, j] * off[j])
-        total += float((shared**2).sum())
+        noise = noise_at_rest(left[there, j], ticks[there, j], float(data.noise[j]))
+        off = off_by_rounding(np.sqrt(max(noise**2 - TICK**2 / 12, 0.0))) / data.noise[j]
+        total += float((np.bincount(ticks[there, j], pull[there, j] * off) ** 2).sum())
     return total
 
 
-def off_by_rounding(noise: np.ndarray) -> np.ndarray:
+def noise_at_rest(left: np.ndarray, ticks: np.ndarray, noise: float) -> float:
+    """Noise [rad] of readings at rest (K,), each about the mean of those at its tick: one that reads the same tick
+    again and again has none. noise: what joints that move show, which it is at most."""
+    count = np.bincount(ticks)
+    alike = len(left) - np.count_nonzero(count)
+    if not alike:
+        return noise
+    mean = np.bincount(ticks, left) / np.maximum(count, 1)
+    return min(noise, float(np.sqrt(((left - mean[ticks]) ** 2).sum() / alike)))
+
+
+def off_by_rounding(noise: float) -> float:
     """RMS [rad] of what the mean of many readings at rest is off by, as they are rounded to ticks with a noise [rad].
 
-    Noise blurs it; of its harmonics the first is the largest (Widrow, IRE Transactions on Circuit Theory 3, 266, 1956).
+    Noise blurs its harmonics (Widrow, IRE Transactions on Circuit Theory 3, 266, 1956); without noise it is the RMS of
+    a rounding, TICK / sqrt(12).
     """
-    return TICK / (np.pi * np.sqrt(2)) * np.exp(-2 * (np.pi * noise / TICK) ** 2)
+    order = np.arange(1, 100)
+    return float(TICK / np.pi * np.sqrt((np.exp(-4 * (np.pi * order * noise / TICK) ** 2) / (2 * order**2)).sum()))
 
 
 def _strength(data: Plays, effect: ActiveEffect) -> float:

@@ -107,6 +107,7 @@ def choose_on_tracks(
         lambda other: eps_alone(track, labels, other, untestable),
     )
     asked = baseline.ratio is None  # with a reference it is known
+    say("which law the medium follows")
     middles = drag_amid_edges(chosen, amid) if asked and amid is not None else Amid()
     law = law_of(chosen, baseline, beside, middles.misses) if asked else SAME
     chosen, baseline = law.selection or chosen, law.baseline or baseline
@@ -115,11 +116,15 @@ def choose_on_tracks(
         chosen = believed(chosen, lambda found: explained(found, baseline.inadequate, beside_rivals(found, baseline)))
     chosen = about_nothing(chosen, lambda model: baseline.corrected(track(model)))
     searched(chosen)  # what this alone shows can be drawn while rivals are fitted
+    say("what else it could be")
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline), parts)
-    named = tuple(beside_known(n, baseline.doubt_of(n.effect)) for n in found.stage.named)
+    every = tuple(beside_known(n, baseline.doubt_of(n.effect)) for n in found.stage.named)
+    named = tuple(n for n in every if not (n.stand_in and n.may_change_nothing))
+    undetected = (*found.stage.undetected, *(n for n in every if n not in named))
     barred = not_looked_for(baseline, untestable)
     drag_at = "" if law.words else middles.words
-    stage = replace(found.stage, named=named, untestable=barred, laws=law.rivals, law_taken=law.words, drag_at=drag_at)
+    stage = replace(found.stage, named=named, undetected=undetected, untestable=barred, laws=law.rivals)
+    stage = replace(stage, law_taken=law.words, drag_at=drag_at)
     return replace(found, stage=stage, baseline=baseline)
 
 
