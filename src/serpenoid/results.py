@@ -183,6 +183,7 @@ def _record(
         "anisotropy_ratio": problem.medium.anisotropy_ratio,
         "dissipation_at": problem.medium.dissipation,
         "law": problem.medium.law,
+        **({} if problem.body_note is None else {"body_note": problem.body_note}),
         "effects": [effect.model_dump(mode="json") for effect in problem.model.effects],
         "largest_step_residual": _number(trajectory.residual),
         **_on_the_floor(trajectory),

@@ -23,6 +23,9 @@ from serpenoid.cli.log import settle
 
 log = logging.getLogger(__name__)
 SUMMARY = "summary.txt"  # what the command said, in its results folder
+MODEL_HELP = (
+    "model file whose medium and effects (and body, where it has a [body]) replace the problem's; another body is told"
+)
 SET_HELP = (
     "override a value of the problem file, e.g. --set medium.anisotropy_ratio=0.1 (repeatable); "
     "another gait.family begins [gait] and [task.bounds] anew"
@@ -38,7 +41,7 @@ def add_problem(parser: argparse.ArgumentParser) -> None:
 
 def add_model(parser: argparse.ArgumentParser) -> None:
     """--model."""
-    parser.add_argument("--model", metavar="FILE", help="model file whose medium and effects replace the problem's")
+    parser.add_argument("--model", metavar="FILE", help=MODEL_HELP)
 
 
 def add_set(parser: argparse.ArgumentParser) -> None:
@@ -136,8 +139,10 @@ def complain(message: str) -> None:
     sys.stderr.write(f"serpenoid: {message}\n")
 
 
-def warn_of_speed(problem: Problem) -> None:
-    """A sentence on standard error, with --quiet too, where a speed limit cannot hold."""
+def warn_of_problem(problem: Problem) -> None:
+    """Sentences on standard error, with --quiet too: another body than the file's, a speed limit that cannot hold."""
+    if problem.body_note is not None:
+        complain(f"{problem.body_note}.")
     if problem.joint_speed_limit_rpm is not None and problem.task.cycle_duration_s is None:
         complain(
             f"joint_speed_limit_rpm = {problem.joint_speed_limit_rpm:g} does not hold: without `cycle_duration_s` in "

@@ -97,6 +97,7 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
         + ("" if record["message"] == record["status"] else f" ({record['message']})"),
         f"problem           {record['provenance']['problem']}, written {record['provenance']['written']}",
         f"body              {body['vertices']} vertices, {joints}, {body['length_m']:.4g} m",
+        *note_lines(record.get("body_note")),
         f"medium            anisotropy ratio {record['anisotropy_ratio']:g} at each {record['dissipation_at']}"
         + ("" if law.name == DEFAULT else f", {law.title}"),
         *(f"effect            {_effect(effect)}" for effect in record.get("effects", [])),

@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.trajectory import floor_lines
 
     problem = load(args.problem, args.set, args.model)
-    options.warn_of_speed(problem)
+    options.warn_of_problem(problem)
     folder = options.output_folder(args, default_folder(problem, "simulate"), problem.hash, *_table(problem))
     with options.progress_bar(args, "simulating", 3) as advance:
         size = f"{problem.task.cycles * problem.task.steps} steps of {problem.body.vertices} vertices"

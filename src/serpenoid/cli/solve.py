@@ -74,7 +74,7 @@ def run(args: argparse.Namespace) -> int:
     _check_together(args)
     assignments = [*args.set, *([f"task.c={args.c!r}"] if args.c is not None else [])]
     problem = load(args.problem, assignments, args.model)
-    options.warn_of_speed(problem)
+    options.warn_of_problem(problem)
     if args.ladder:
         return climb_ladder(args, problem)
     return _improve(args, problem) if args.improve else _solve(args, problem)

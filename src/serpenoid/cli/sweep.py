@@ -93,7 +93,7 @@ def run(args: argparse.Namespace) -> int:
     problems = [load(path, args.set, args.model) for path in args.problems]
     for problem in problems:
         check_weights(problem, values)
-        options.warn_of_speed(problem)
+        options.warn_of_problem(problem)
     folders = [_folder(args, problem, values) for problem in problems]
     if len(set(folders)) < len(folders):
         raise InputError("two of the problem files would write to the same folder: name each once, or rename one.")
