@@ -126,7 +126,7 @@ def _cases(solution: Solution) -> dict[str, Any]:
          "dissipation": _number(case.trajectory.dissipation)}
         for case in solution.cases
     ]  # fmt: skip
-    return {"robust": {"over": robust.over, "cases": cases}}
+    return {"robust": {"over": robust.over, "headline": solution.headline_note, "cases": cases}}
 
 
 def read_record(folder: str | Path, name: str = "solution.json") -> dict[str, Any]:

@@ -17,8 +17,9 @@ from serpenoid.objectives.shape import Shape
 from serpenoid.objectives.swing import Swing
 from serpenoid.objectives.term import Played
 from serpenoid.objectives.travel import Travel
+from serpenoid.optimise.circle import circle_note
 from serpenoid.optimise.solution import SelfClear
-from specimens import PROBLEMS
+from specimens import PROBLEMS, problem
 
 
 def moved(x: float = 0.0, heading: float = 0.0, table: tuple[tuple[float, ...], ...] = ((0.0,),) * 2) -> Played:
@@ -123,3 +124,33 @@ def test_simulate_says_of_an_optimum_what_solve_said(tmp_path: Path, capsys: pyt
     kinds = ("goal", "from itself")
     assert [line for line in simulated if line.startswith(kinds)] == [line for line in solved if line.startswith(kinds)]
     assert "goal              distance from itself met" in simulated
+
+
+@pytest.mark.parametrize(
+    ("turn", "said"),
+    [
+        (86.0, "turns 86 degrees per cycle, so that it comes back after about 4.2 cycles; `straight = true`"),
+        (-10.0, "turns 10 degrees per cycle, so that it comes back after about 36 cycles"),
+        (345.0, "turns 345 degrees per cycle, so that it comes back after about 24 cycles"),
+        (3.0, None),
+        (358.0, None),
+    ],
+)
+def test_a_gait_that_turns_is_said_to_come_back(turn: float, said: str | None) -> None:
+    found = circle_note(problem("reference"), np.radians(turn))
+    assert (found is None) == (said is None)
+    assert found is None or found.startswith(said or "")
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        "task.constraints.straight=true",
+        "task.constraints.heading_change_rad=1.5",
+        'task.objectives=[{kind="effort"}]',
+        'task.objectives=[{kind="displacement"},{kind="heading",target_rad=1.0}]',
+        'task.demands=[{kind="reach",target=[0.1,0.0]}]',
+    ],
+)
+def test_a_gait_that_was_asked_to_turn_or_to_do_something_else_has_no_word_of_circles(asked: str) -> None:
+    assert circle_note(problem("reference", asked), 1.5) is None

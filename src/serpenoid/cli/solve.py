@@ -295,7 +295,8 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: 
     return [
         f"status            {best.status.name.lower()}{'' if best.status.ok else f': {best.message}'}",
         *note_lines(best.note),
-        f"displacement      {best.trajectory.displacement:z.6f} body lengths{'' if task.transient else ' per cycle'}",
+        f"displacement      {best.trajectory.displacement:z.6f} body lengths{'' if task.transient else ' per cycle'}"
+        f"{'' if best.headline_note is None else f' {best.headline_note}'}",
         *speed_lines(best.problem, best.trajectory.displacement),
         f"{dissipation_name(best.problem.medium.law)}{best.trajectory.dissipation:z.6f}",
         *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
@@ -331,11 +332,12 @@ def _case_lines(best: Solution) -> list[str]:
     if robust is None:
         return []
     head = f"{robust.over} case over"
+    own = f"speed, dissipation, heading change{', mesh' * best.mesh.converged}"  # of no mesh: that of the coarsest case
     return [
         f"{head if i == 0 else '':18}{case.name}: objective {case.value:.6f}, {case.trajectory.displacement:.6f} body "
         f"lengths, {case.trajectory.heading_change:+.4f} rad"
         for i, case in enumerate(best.cases)
-    ]
+    ] + [f"{'':18}{own} and pictures other than `cases` are in the problem's own medium"]
 
 
 def _improve(args: argparse.Namespace, problem: Problem) -> int:

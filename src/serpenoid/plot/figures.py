@@ -107,7 +107,8 @@ def motion_figure(trajectory: Trajectory, problem: Problem, cycles: int | None =
     ax = fig.add_subplot()
     one = "The motion" if problem.task.transient else "A cycle"
     shown = f"; {cycles} cycles" if cycles > 1 else ""
-    title = f"{trajectory_words(trajectory, one)}{shown}{contact_words(trajectory)}"
+    own = "" if problem.task.robust is None else "\nin the problem's own medium; each case: cases.png"
+    title = f"{trajectory_words(trajectory, one)}{shown}{contact_words(trajectory)}{own}"
     bodies = 9 if cycles == 1 else max(1, min(4, 12 // cycles)) * cycles + 1
     dots = _countable(problem.body.joint_vertices) if cycles == 1 else ()
     motion(trajectory, ax, cycles, bodies, title, problem.body.told_length_m, dots)
