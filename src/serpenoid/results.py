@@ -92,6 +92,7 @@ def solution_record(solution: Solution) -> dict[str, Any]:
         **_goals(problem, solution.table, solution.trajectory, solution.self_clearance),
         **({} if solution.note is None else {"note": solution.note}),
         "clearance": None if solution.clearance is None else asdict(solution.clearance),
+        **({} if solution.fine_clearance is None else {"fine_clearance": asdict(solution.fine_clearance)}),
         **({} if solution.self_clearance is None else {"self_clearance": asdict(solution.self_clearance)}),
         "mesh": solution.mesh.record,
         **_cases(solution),

@@ -35,7 +35,8 @@ def run(args: argparse.Namespace) -> int:
     """Simulate, write, report."""
     from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines, in_cycles, mesh_lines, speed_lines
     from serpenoid.joint_limits import limit_lines
-    from serpenoid.optimise.outcomes import clear_of_itself, clear_of_obstacles, mesh_of
+    from serpenoid.optimise.mesh import FINER
+    from serpenoid.optimise.outcomes import clear_of_itself, clear_of_obstacles, fine_clear_of_obstacles, mesh_of
     from serpenoid.problem import load
     from serpenoid.results import default_folder, weight_warning, write_simulation
     from serpenoid.self_contact import crossing_warning
@@ -75,7 +76,13 @@ def run(args: argparse.Namespace) -> int:
         *[f"{'':18}goals are judged from the motion of the first cycle"] * (several and bool(record["goals"])),
         *([] if mesh is None else mesh_lines(mesh, record["goals"], _more(mesh), "one cycle: " * several)),
         *_rows_lines(problem, len(result.table)),
-        *clear_lines(clear_of_obstacles(problem, result.table, motion), clear_of_itself(problem, result.table)),
+        *clear_lines(
+            clear_of_obstacles(problem, result.table, motion),
+            fine_clear_of_obstacles(problem, result.table),
+            clear_of_itself(problem, result.table),
+            motion.steps_per_cycle,
+            f"--set task.steps={FINER * motion.steps_per_cycle}",
+        ),
         *floor_lines(motion),
         *limit_lines(problem, result.table),
         *crossing_warning(motion),

@@ -309,7 +309,7 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: 
         *bound_lines(best.at_bounds),
         f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
         f"polishing gain {gain}",
-        *clear_lines(best.clearance, best.self_clearance),
+        *clear_lines(best.clearance, best.fine_clearance, best.self_clearance, best.mesh.steps, "--refine"),
         *mesh_lines(best.mesh, record["goals"], "--refine"),
         *_optimum_lines(best, refined),
         *starts_lines(record),

@@ -27,6 +27,7 @@ TOLERANCE = 0.05  # of the limit; the paper's 50 steps are 0.5 % (its gait of am
 GYRATION = 12**-0.5  # body lengths: a turn of a straight uniform body counts as its points' root mean square way
 RESOLVED = 1e-6  # body lengths: as much as polishing may still gain
 FACTORS = (1, 2, 4)
+FINER = FACTORS[-1]
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,8 @@ class Solution(Shown):
     """An optimal gait; `trajectory` is its re-simulation, `table` (R, m) its joint angles [rad].
 
     cost: the objective, with the user's own terms where there are any, from the re-simulation; `objective`: what the
-    optimiser minimised. clearance: from obstacles, if there are any. names, q: the family's parameters (n,). cases:
+    optimiser minimised. clearance: from obstacles, if there are any; fine_clearance:
+    the same of the mesh certificate's finest motion. names, q: the family's parameters (n,). cases:
     those that a robust gait serves; `cost` is then over all of them, `trajectory` is in the problem's own medium.
     rest_is_as_good: a straight body that never moves meets all that is asked at the same cost.
     missed: of a failure, by how much the gait as it is simulated misses limits and demands together.
@@ -84,6 +85,7 @@ class Solution(Shown):
     seconds: float
     timing: dict[str, float]
     cases: tuple[CaseOutcome, ...] = ()
+    fine_clearance: Clearance | None = None
     self_clearance: SelfClear | None = None
     rest_is_as_good: bool = False
     missed: float = 0.0
