@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from serpenoid.cli.main import main
+from serpenoid.cli.sweep import _mesh_lines
 
 BODY = "[body]\nvertices = 4\nlength_m = 0.5\n"
 MEDIUM = "[medium]\nanisotropy_ratio = 0.2\n"
@@ -142,3 +143,10 @@ def test_a_model_with_another_body_says_so_and_one_without_does_not(
         assert (note is not None) == ("the body is that of five.toml, not the problem's" in captured.err)
         assert (record.get("body_note") is None) == (note is None)
         assert (note or "") in captured.err
+
+
+@pytest.mark.parametrize(("complete", "said"), [(True, "could not be"), (False, "not yet")])
+def test_points_that_an_interrupted_sweep_left_coarse_are_not_said_to_have_failed(complete: bool, said: str) -> None:
+    mesh = {"steps": [50, 100], "largest_error": 0.997, "coarse": 1}
+    (line,) = _mesh_lines(mesh, True, complete)
+    assert line.endswith(f"the same gaits go as far within 100 %; 1 point {said} refined to 0.1 %")

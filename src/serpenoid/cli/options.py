@@ -78,20 +78,22 @@ def workers(args: argparse.Namespace) -> Workers:
 
 def add_open(parser: argparse.ArgumentParser) -> None:
     """--open."""
-    parser.add_argument("--open", action="store_true", help="open the report (or the first picture) when it is done")
+    parser.add_argument("--open", action="store_true", help="open the report (or the picture that says most)")
 
 
 def open_page(args: argparse.Namespace, folder: Path) -> None:
     """With --open: the folder's report in the browser, else a picture; a sentence where there is nothing to open."""
     if not getattr(args, "open", False):
         return
-    pages = [*sorted(folder.glob("*.html")), *sorted(folder.glob("*.png"))]
+    pictures = sorted(folder.glob("*.png"), key=lambda path: (path.name not in TELLING, path.name))
+    pages = [*sorted(folder.glob("*.html")), *pictures]
     if not pages:
         complain(f"--open: {folder} has neither a report nor a picture. Was it run with --no-figures?")
     elif not webbrowser.open(pages[0].resolve().as_uri()):
         complain(f"--open: no browser was found. The page: {pages[0]}")
 
 
+TELLING = {"motion.png", "family.png"}  # what an answer does, and a sweep: no folder has both
 MOST = 100_000  # of starts, gaits, trials: nobody waits for the last
 
 
@@ -150,6 +152,9 @@ def warn_of_problem(problem: Problem) -> None:
         )
 
 
+WIDE_BAR, NARROW_BAR, WIDE = 40, 16, 120  # columns of the bar, and of a terminal that has room for the wide one
+
+
 class Advance(Protocol):
     """What a progress bar offers: done so far, and a word about it."""
 
@@ -170,11 +175,20 @@ def progress_bar(
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.table import Column
 
     from serpenoid.cli.remaining import RemainingColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
-    with Progress(*columns, RemainingColumn(), TextColumn("{task.fields[note]}"), console=Console(stderr=True)) as bar:
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=WIDE_BAR if console.width >= WIDE else NARROW_BAR),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+        RemainingColumn(),
+        TextColumn("{task.fields[note]}", table_column=Column(ratio=1, no_wrap=True, overflow="ellipsis")),  # gives way
+    )
+    with Progress(*columns, console=console, expand=True) as bar:
         task = bar.add_task(title, total=total, note="", left=left)
         bar.live.transient = True  # a bar of work that never began is no news
 

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from serpenoid.cli import options
 from serpenoid.cli.claim import sign
+from serpenoid.wording import percent
 
 if TYPE_CHECKING:
     from serpenoid.optimise.mesh import MeshStudy
@@ -119,7 +120,7 @@ def _softening_lines(problem: Problem, motion: Trajectory) -> list[str]:
     if not found.status.ok:
         return [f"softening         {medium.softening:g}; with {share:g} no motion was found to compare it with"]
     change = motion.displacement - found.displacement
-    part = f" ({100 * abs(change) / found.displacement:.2g} %)" if not found.stands_still else ""
+    part = f" ({percent(abs(change) / found.displacement)})" if not found.stands_still else ""
     what = f"with {share:g} the displacement is {found.displacement:z.6f}"
     return [f"softening         {medium.softening:g} changes it by {change:+.1e}{part}: {what}"]
 

@@ -23,6 +23,7 @@ from serpenoid.plot.world import cycles_asked, obstacles, targets
 from serpenoid.problem import Problem
 from serpenoid.self_contact import crosses_itself
 from serpenoid.trajectory import LiftedTrajectory, Trajectory
+from serpenoid.wording import up_to
 
 if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
@@ -153,11 +154,11 @@ def joints_figure(table: Floats, problem: Problem) -> Figure:
     fig = figure(8.6, 5.6 if duration else 3.2)
     axes = fig.subplots(2 if duration else 1, 1, squeeze=False)[:, 0]
     most = np.rad2deg(np.abs(table).max())
-    joints.joint_angles(table, axes[0], body.joint_limit_deg, f"Joint angles, up to {most:.1f}°", closed)
+    joints.joint_angles(table, axes[0], body.joint_limit_deg, f"Joint angles, {up_to(most, '°')}", closed)
     if duration:
         speeds = joints.speeds_rpm(table, duration, closed)
         whole = "a cycle" if closed else "the whole motion"
-        title = f"Joint speeds, up to {np.abs(speeds).max():.1f} rpm with {whole} in {duration:g} s"
+        title = f"Joint speeds, {up_to(float(np.abs(speeds).max()), ' rpm')} with {whole} in {duration:g} s"
         joints.joint_speeds(speeds, axes[1], body.joint_speed_limit_rpm, title, closed)
     joints.joint_bar(list(axes), table.shape[1])
     return fig
@@ -170,6 +171,6 @@ def spatial_joints_figure(table: Floats, problem: Problem) -> Figure:
     axes = fig.subplots(2, 1)
     for ax, angles, word in zip(axes, (table[:, :m], table[:, m:]), ("Yaw", "Pitch"), strict=True):
         most = np.rad2deg(np.abs(angles).max())
-        joints.joint_angles(angles, ax, body.joint_limit_deg, f"{word} of the joints, up to {most:.1f}°", closed)
+        joints.joint_angles(angles, ax, body.joint_limit_deg, f"{word} of the joints, {up_to(most, '°')}", closed)
     joints.joint_bar(list(axes), m)
     return fig
