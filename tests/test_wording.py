@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from serpenoid.cli.main import main
-from serpenoid.wording import counted
+from serpenoid.wording import counted, percent, up_to
 
 
 def test_one_of_a_kind_has_no_plural() -> None:
@@ -26,3 +26,8 @@ def test_a_body_of_one_joint_and_a_sweep_of_one_point_are_told_as_such(
     words = ["sweep", str(tmp_path / "two.toml"), "--c", "5", "--starts", "1", "--no-figures"]
     assert main([*words, "--out", str(tmp_path / "two")]) == 0
     assert "two: 1 point solved, 0 failed" in capsys.readouterr().out
+
+
+def test_percentages_have_no_power_of_ten_and_small_numbers_are_no_zero() -> None:
+    assert [percent(share) for share in (0.00612, 0.1234, 0.996, 12.34)] == ["0.61 %", "12 %", "100 %", "1234 %"]
+    assert [up_to(most, "°") for most in (70.04, 0.05, 0.01, 0.0)] == ["up to 70.0°", "up to 0.1°", *["below 0.1°"] * 2]

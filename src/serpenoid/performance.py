@@ -59,15 +59,50 @@ def pareto_front(displacement: Floats, dissipation: Floats) -> np.ndarray:
     return np.asarray(~(more & less & strictly).any(axis=1))
 
 
-def between(c: Floats, values: Floats, at: Floats) -> Floats:
-    """What a family of gaits with rising c (n,) does between them: smooth, and nowhere beyond its two neighbours.
+def between(c: Floats, displacement: Floats, dissipation: Floats, at: Floats) -> tuple[Floats, Floats]:
+    """Displacement and dissipation of a family of gaits with rising c (n,) between them; exact at the gaits.
 
-    Piecewise cubic (Fritsch & Carlson 1980): of the reference snake's cost of transport 11 gaits tell 4 % at worst,
-    where straight lines between them are 7 % off.
+    Gaits that minimise V = c D - Delta have V' = D (the other terms cancel) and D falling, so over each interval both
+    ends and the mean of D are known, the mean from the chord of V. D runs between them as the quadratic of these three
+    (V is the cubic of Hermite) where that falls, else as the power that does; Delta = c D - V then obeys
+    Delta' = c D', and the quotient (p + D) / Delta is least where p = Delta / c - D, as the gaits' own is.
+    An interval whose chord is not between its two D (other goals, a better branch that was missed) has both piecewise
+    cubic, each by itself (Fritsch & Carlson 1980).
     """
+    i = np.clip(np.searchsorted(c, at, side="right") - 1, 0, c.size - 2)
+    wide, t = np.diff(c)[i], (at - c[i]) / np.diff(c)[i]
+    least = c * dissipation - displacement
+    falls, mean = -np.diff(dissipation), np.diff(least) / np.diff(c) - dissipation[1:]
+    obeys = (mean > 0) & (mean < falls)
+    share, below = _falling(t, np.divide(mean, falls, out=np.full(mean.shape, 0.5), where=obeys)[i])
+    spent = dissipation[i + 1] + falls[i] * share
+    went = at * spent - least[i] - wide * (dissipation[i + 1] * t + falls[i] * below)
+    if obeys.all():
+        return went, spent
     from scipy.interpolate import PchipInterpolator
 
-    return np.asarray(PchipInterpolator(c, values)(at), np.float64)
+    return (
+        np.where(obeys[i], went, PchipInterpolator(c, displacement)(at)),
+        np.where(obeys[i], spent, PchipInterpolator(c, dissipation)(at)),
+    )
+
+
+def _falling(t: Floats, mean: Floats) -> tuple[Floats, Floats]:
+    """What falls from 1 at t = 0 to 0 at t = 1 with this mean (0 .. 1), and its integral from 0 to t."""
+    early, late = np.minimum(mean, 1 / 3), np.minimum(1 - mean, 1 / 3)  # at a third the quadratic is the power
+    bend = 6 * mean - 3
+    return (
+        np.select(
+            [mean < 1 / 3, mean > 2 / 3],
+            [(1 - t) ** (1 / early - 1), 1 - t ** (1 / late - 1)],
+            1 - t + bend * t * (1 - t),
+        ),
+        np.select(
+            [mean < 1 / 3, mean > 2 / 3],
+            [early * (1 - (1 - t) ** (1 / early)), t - late * t ** (1 / late)],
+            t - t**2 / 2 + bend * (t**2 / 2 - t**3 / 3),
+        ),
+    )
 
 
 def idle_for_minimum(c: Floats, displacement: Floats, dissipation: Floats, low: float, high: float) -> Range | None:
@@ -79,5 +114,6 @@ def idle_for_minimum(c: Floats, displacement: Floats, dissipation: Floats, low: 
     if c.size < 2 or c.min() > low or c.max() < high or not ((c >= low) & (c <= high)).any():
         return None
     ends = np.array([low, high])
-    upper, lower = between(c, displacement, ends) / ends - between(c, dissipation, ends)
+    went, spent = between(c, displacement, dissipation, ends)
+    upper, lower = went / ends - spent
     return (max(float(lower), 0.0), float(upper)) if upper > 0 else None

@@ -14,7 +14,7 @@ from operator import or_
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from serpenoid.body import Body
 from serpenoid.effects.active import ActiveEffect
@@ -35,6 +35,7 @@ from serpenoid.objectives.contradictions import contradiction
 from serpenoid.objectives.efficiency import Efficiency
 from serpenoid.objectives.shape import Shape
 from serpenoid.objectives.term import Ask, Rows
+from serpenoid.wording import listed
 
 LEFT_OPEN = ("extended-model.toml", "diagnosis.json")  # what of a diagnosis tells the cases that a gait must serve
 MOST_C = 1e6  # body lengths per unit of dissipation: beyond, moving is worth nothing
@@ -140,6 +141,7 @@ class Problem(Record):
     _folder: Path = PrivateAttr(default=Path("."))
     _name: str = PrivateAttr(default="problem")
     _source: str = PrivateAttr(default="problem")
+    _body_note: str | None = PrivateAttr(default=None)
 
     def __repr__(self) -> str:
         body, task = self.body, self.task
@@ -252,6 +254,11 @@ class Problem(Record):
         """The file's folder: joint tables are named relative to it."""
         return self._folder
 
+    @property
+    def body_note(self) -> str | None:
+        """That the body is the model file's, and how it differs from the problem file's; None where it does not."""
+        return self._body_note
+
     @contextmanager
     def named_by(self, key: str) -> Iterator[None]:
         """What is wrong with a file that a key names begins with the problem file and the key."""
@@ -301,8 +308,9 @@ def load(
         raise InputError(f"`set` must be a list of assignments, set=['task.c=0.5'], got {set!r}.")
     path = Path(path)
     data = schema.read_toml(path, "problem")
+    own = data.get("body")
     if model is not None:
-        data |= _with_limits(read_model_file(model), data.get("body"))
+        data |= _with_limits(read_model_file(model), own)
     data = schema.override(_of_another_family(data, set or []), set or [])
     gait = data.get("gait")
     if isinstance(gait, dict):
@@ -310,7 +318,35 @@ def load(
     source = str(path) if model is None else f"{path} with --model {model}"
     problem = schema.validate(Problem, data, source)
     problem._folder, problem._name, problem._source = path.parent, path.stem, source
+    if model is not None:
+        problem._body_note = _other_body(problem.body, schema.override({"body": own}, set or []), model)
     return problem
+
+
+def _other_body(body: Body, own: dict[str, Any], model: str | Path) -> str | None:
+    """How a model's body differs from the problem's own, which may not even be whole; None: in no number."""
+    said = f"the body is that of {Path(model).name}, not the problem's"
+    try:
+        stated = Body.model_validate(own["body"])
+    except ValidationError:
+        return said
+    here, there = (_numbers(b) for b in (body, stated))
+    if differing := [name for name, number in here.items() if number != there[name]]:
+        sizes = (f"{b.vertices} vertices, {b.total_length_m:.4g} m" for b in (stated, body))
+        return f"{said}: {' -> '.join(sizes)}; it differs in {listed(differing)}"
+    return None
+
+
+def _numbers(body: Body) -> dict[str, Any]:
+    """What of a body a motion and its limits depend on, however it is written."""
+    return {
+        "vertices": body.vertices,
+        "edge lengths": body.edges_m.round(9).tolist(),  # nanometres
+        "weights": body.vertex_weights.round(9).tolist(),
+        "joints": body.joint_vertices,
+        "mass": body.mass_kg,
+        "joint limits": (body.joint_limit_deg, body.joint_speed_limit_rpm),
+    }
 
 
 def _of_another_family(data: dict[str, Any], assignments: list[str]) -> dict[str, Any]:

@@ -92,6 +92,7 @@ def solution_record(solution: Solution) -> dict[str, Any]:
         **_goals(problem, solution.table, solution.trajectory, solution.self_clearance),
         **({} if solution.note is None else {"note": solution.note}),
         "clearance": None if solution.clearance is None else asdict(solution.clearance),
+        **({} if solution.fine_clearance is None else {"fine_clearance": asdict(solution.fine_clearance)}),
         **({} if solution.self_clearance is None else {"self_clearance": asdict(solution.self_clearance)}),
         "mesh": solution.mesh.record,
         **_cases(solution),
@@ -126,7 +127,7 @@ def _cases(solution: Solution) -> dict[str, Any]:
          "dissipation": _number(case.trajectory.dissipation)}
         for case in solution.cases
     ]  # fmt: skip
-    return {"robust": {"over": robust.over, "cases": cases}}
+    return {"robust": {"over": robust.over, "headline": solution.headline_note, "cases": cases}}
 
 
 def read_record(folder: str | Path, name: str = "solution.json") -> dict[str, Any]:
@@ -183,6 +184,7 @@ def _record(
         "anisotropy_ratio": problem.medium.anisotropy_ratio,
         "dissipation_at": problem.medium.dissipation,
         "law": problem.medium.law,
+        **({} if problem.body_note is None else {"body_note": problem.body_note}),
         "effects": [effect.model_dump(mode="json") for effect in problem.model.effects],
         "largest_step_residual": _number(trajectory.residual),
         **_on_the_floor(trajectory),

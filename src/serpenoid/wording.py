@@ -17,3 +17,13 @@ def listed(words: Sequence[str]) -> str:
 def counted(number: int, noun: str) -> str:
     """`1 joint`, `2 joints`; nouns whose plural ends in s."""
     return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def percent(share: float) -> str:
+    """`0.61 %`, `12 %`, `350 %`: two digits, and no power of ten."""
+    return f"{100 * share:.2g} %" if abs(100 * share) < 99.5 else f"{100 * share:.0f} %"
+
+
+def up_to(most: float, unit: str) -> str:
+    """`up to 12.3°`; of what one decimal does not show `below 0.1°`."""
+    return f"up to {most:.1f}{unit}" if most >= 0.05 else f"below 0.1{unit}"

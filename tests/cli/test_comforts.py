@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import logging
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -14,6 +16,7 @@ from pathlib import Path
 import pytest
 
 import serpenoid
+from serpenoid.cli import options
 from serpenoid.cli.main import VERBS, main
 from serpenoid.cli.remaining import remaining
 
@@ -187,10 +190,25 @@ def test_open_shows_the_report_before_any_picture(
     monkeypatch.setattr(webbrowser, "open", lambda url: bool(opened.append(url)) or True)
     assert simulated(tmp_path, "--open") == 0
     assert "neither a report nor a picture" in capsys.readouterr().err
-    for name in ("b.png", "report.html"):
+    for name in ("b.png", "motion.png", "animation.png", "report.html"):
         (tmp_path / name).touch()
         assert main(["show", str(tmp_path), "--open"]) == 0
-    assert [Path(url).name for url in opened] == ["b.png", "report.html"]
+    assert [Path(url).name for url in opened] == ["b.png", "motion.png", "motion.png", "report.html"]
+
+
+@pytest.mark.parametrize("width", [80, 140])
+def test_progress_keeps_elapsed_and_remaining_time_on_a_narrow_terminal(
+    width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(width))
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    args = argparse.Namespace(quiet=False, json=False)
+    with options.progress_bar(args, "a problem of a long name", 4, left=lambda: 754.0) as advance:
+        advance(1, "start 12, iteration 1234, 0.0123 s each, 1256 unknowns, and more of what nobody can read there")
+    line = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", capsys.readouterr().err).splitlines()[-1].split("\r")[-1]
+    assert len(line) <= width
+    for word in ("a problem of a long name", " 25% ", "0:00:00 ", "about 12:34 left", "start", "…"):
+        assert word in line
 
 
 def test_show_of_what_was_begun_alone_says_how_to_go_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

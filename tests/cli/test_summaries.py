@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
 from serpenoid.cli.main import main
+from serpenoid.cli.sweep import _mesh_lines
 
 BODY = "[body]\nvertices = 4\nlength_m = 0.5\n"
 MEDIUM = "[medium]\nanisotropy_ratio = 0.2\n"
@@ -111,3 +113,40 @@ def test_a_parameter_that_is_nothing_has_no_sign() -> None:
     from serpenoid.gaits import EllipseGait
 
     assert "x_c 0.0000" in EllipseGait(x_c=-1e-9).words
+
+
+@pytest.mark.parametrize("verb", ["simulate", "sweep"])
+def test_a_model_with_another_body_says_so_and_one_without_does_not(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], verb: str
+) -> None:
+    asked, model = written(tmp_path, BODY + MEDIUM), tmp_path / "five.toml"
+    few = ["--c", "0.5,0.6", "--starts", "1", "--no-polish"] if verb == "sweep" else []
+    words = [verb, asked, *SMALL, *few, "--model", str(model), "--out", str(tmp_path / "out"), "--force"]
+    for body, note in (
+        (
+            BODY.replace("vertices = 4", "vertices = 5"),
+            "4 vertices, 0.5 m -> 5 vertices, 0.5 m; it differs in vertices, ",
+        ),
+        (
+            "[body]\nvertices = 4\nedge_lengths = [0.1, 0.2, 0.2]\nweights = [1, 2, 2, 1]\n",
+            "; it differs in edge lengths and weights.",
+        ),
+        ("[body]\nvertices = 4\nlength_m = 0.5\nmass_kg = 1.0\n", "; it differs in mass."),
+        ("[body]\nvertices = 4\nedge_lengths = [0.16666666667, 0.16666666667, 0.16666666667]\n", None),
+        ("", None),
+    ):
+        model.write_text(MEDIUM + body, encoding="utf-8")
+        assert main([*words, "--json", "--quiet"]) in (0, 1)  # 12 steps are few for some
+        captured = capsys.readouterr()
+        record = json.loads(captured.out)
+        record = record[0] if verb == "sweep" else record
+        assert (note is not None) == ("the body is that of five.toml, not the problem's" in captured.err)
+        assert (record.get("body_note") is None) == (note is None)
+        assert (note or "") in captured.err
+
+
+@pytest.mark.parametrize(("complete", "said"), [(True, "could not be"), (False, "not yet")])
+def test_points_that_an_interrupted_sweep_left_coarse_are_not_said_to_have_failed(complete: bool, said: str) -> None:
+    mesh = {"steps": [50, 100], "largest_error": 0.997, "coarse": 1}
+    (line,) = _mesh_lines(mesh, True, complete)
+    assert line.endswith(f"the same gaits go as far within 100 %; 1 point {said} refined to 0.1 %")

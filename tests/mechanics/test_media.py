@@ -133,3 +133,13 @@ def test_a_softening_below_what_a_motion_shows_is_refused() -> None:
     """A search comes to it through softer friction, each three times as soft: four hundred searches for 1e-200."""
     with pytest.raises(ValidationError, match="softening"):
         friction(softening=1e-200)
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=lambda law: law.name)
+def test_the_cost_of_a_slip_is_the_work_over_the_degree(law: Law) -> None:
+    """As docs/theory.md tells what share of the work `dissipation` is: half, all of it, a third."""
+    across, along, eps = 0.7, 0.3, 0.2
+    ratio = law.form_ratio(eps)
+    m_n, m_a = law.multipliers(across, along, ratio, 0.0)
+    work = m_n * across + ratio * m_a * along  # force times slip: both parts of it
+    assert law.degree * law.cost(across, along, ratio, 0.0) == pytest.approx(work, rel=1e-14)

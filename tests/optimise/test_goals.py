@@ -23,12 +23,14 @@ from serpenoid.objectives.criteria import Gaps
 from serpenoid.objectives.obstacles import Box, Disc, HalfPlane
 from serpenoid.optimise.asked import asked as criteria_of
 from serpenoid.optimise.between import Between, GapField
-from serpenoid.optimise.clearance import clearance
+from serpenoid.optimise.clearance import RESOLUTION, clearance
 from serpenoid.optimise.easier import Easier, easier
 from serpenoid.optimise.ladder import FAMILIES, climb
+from serpenoid.optimise.outcomes import fine_clear_of_obstacles
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
 from serpenoid.problem import Problem, load
+from serpenoid.results import solution_record
 from serpenoid.simulation.rollout import Batch
 from serpenoid.status import Status
 from specimens import PROBLEMS, oracle_run, problem
@@ -143,6 +145,16 @@ def test_a_box_is_kept_at_every_time_and_place(seed: int) -> None:
     assert found.clearance.proven >= 0
     run = oracle_run(found.problem.model, found.table)
     assert (between(run, found) <= np.array([0.52, 0.24]) + 1e-9).all()
+    fine = found.fine_clearance
+    assert fine is not None
+    assert fine == fine_clear_of_obstacles(found.problem, found.table)
+    assert solution_record(found)["fine_clearance"] == {"least": fine.least, "proven": fine.proven}
+    closed = np.concatenate([found.table, found.table[:1]])
+    finer = np.array([np.interp(np.arange(96) / 4, np.arange(25), angles) for angles in closed.T]).T
+    room = (np.array([0.52, 0.24]) - np.abs(oracle_run(found.problem.model, finer).vertices)).min()
+    assert fine.proven <= room + 1e-9
+    assert min(fine.least, 0.0) <= min(room, 0.0) + RESOLUTION  # what is proven to be above 0 is not looked at again
+    assert fine.least > room - 0.01  # vertices move less than that between two of 96 rows
 
 
 def between(run: Run, found: Solution) -> Floats:

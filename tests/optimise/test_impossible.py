@@ -17,7 +17,7 @@ from serpenoid.optimise.nearest import with_nearest
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve
-from serpenoid.optimise.unmoved import there_and_back, why_unmoved
+from serpenoid.optimise.unmoved import rest_note, there_and_back, why_unmoved
 from serpenoid.results import solution_record
 from serpenoid.simulation import simulate_batch
 from serpenoid.simulation.problem import simulate
@@ -230,6 +230,23 @@ def test_where_a_body_at_rest_does_as_well_it_is_said() -> None:
     assert found.note is not None
     assert "stands still does as well: no goal asks it to move" in found.summary()
     assert solution_record(found)["note"] == found.note
+
+
+@pytest.mark.parametrize(
+    ("objectives", "c", "said"),
+    [
+        ('{kind="displacement"}', 50.0, "no gait that was found is worth what it costs. Lower `c` (now 50)."),
+        (
+            '{kind="displacement"},{kind="effort",weight=9.0}',
+            0.1,
+            "is worth what it costs. Lower `c` (now 0.1) or the weight of `effort`.",
+        ),
+        ('{kind="displacement"}', 0.0, "goes anywhere within the bounds, limits and demands. Widen them."),
+        ('{kind="effort"}', 0.2, "no goal asks it to move. Ask for `displacement`, "),
+    ],
+)
+def test_a_body_that_is_asked_to_move_and_stands_is_told_what_weighs_more(objectives: str, c: float, said: str) -> None:
+    assert said in rest_note(problem("reference", f"task.objectives=[{objectives}]"), c)
 
 
 def test_an_optimum_that_is_better_than_rest_has_no_note() -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from serpenoid.cli.goals import clear_lines, mesh_lines
 from serpenoid.cli.main import main
 from serpenoid.objectives.heading import Heading
 from serpenoid.objectives.obstacles import Disc
@@ -17,8 +18,14 @@ from serpenoid.objectives.shape import Shape
 from serpenoid.objectives.swing import Swing
 from serpenoid.objectives.term import Played
 from serpenoid.objectives.travel import Travel
+from serpenoid.optimise.circle import circle_note
+from serpenoid.optimise.clearance import Clearance
+from serpenoid.optimise.mesh import MeshStudy
+from serpenoid.optimise.outcomes import goal_words
 from serpenoid.optimise.solution import SelfClear
-from specimens import PROBLEMS
+from serpenoid.status import Status
+from serpenoid.trajectory import Trajectory
+from specimens import PROBLEMS, problem
 
 
 def moved(x: float = 0.0, heading: float = 0.0, table: tuple[tuple[float, ...], ...] = ((0.0,),) * 2) -> Played:
@@ -88,6 +95,48 @@ def test_a_distance_from_itself_is_met_where_it_is_proven() -> None:
     assert said(0.09, 0.07) == "distance from itself met where it was looked, but not proven between"
 
 
+def test_what_is_proven_says_of_which_motion_and_more_steps_may_break_it() -> None:
+    coarse = Clearance(7e-4, 2e-5)
+    of = "clearance         at least 2.00e-05 body lengths at every time and place of the motion in 80 steps, proven; "
+    (line,) = clear_lines(coarse, None, None, 80, "--refine")
+    assert line == f"{of}the least gap found is 7.00e-04"
+    _, holds = clear_lines(coarse, Clearance(3e-3, 1e-3), None, 80, "--refine")
+    assert holds.strip() == (
+        "in 320 steps at least 1.00e-03 body lengths at every time and place, proven; the least gap found is 3.00e-03"
+    )
+    _, breaks, own = clear_lines(coarse, Clearance(-2.47e-3, -2.5e-3), SelfClear(0.1, 0.09, 0.08), 80, "--refine")
+    assert breaks.startswith(
+        "warning           the same gait in 320 steps comes 2.47e-03 body lengths nearer to obstacles than it may. "
+    )
+    assert own.startswith("from itself       at least 9.00e-02 body lengths at every time and place, proven")
+
+
+@pytest.mark.parametrize(
+    ("goals", "said"),
+    [
+        (["(1.6, 0.3) missed by 0.0345", "clearance of disc met at every vertex and step"], "goals that are met are"),
+        (["clearance of disc met at every vertex and step"], "goals are"),
+    ],
+)
+def test_goals_are_not_said_to_be_met_beside_one_that_is_missed(goals: list[str], said: str) -> None:
+    coarse = MeshStudy(80, (1.59, 1.62, 1.63), (1.13, 1.127, 1.127))
+    assert mesh_lines(coarse, goals, "--refine")[1].strip().startswith(f"{said} met with 80 steps; with many")
+    assert len(mesh_lines(coarse, goals[:-1], "--refine")) == 1
+
+
+def test_demands_of_one_kind_are_counted_as_complaints_count_them() -> None:
+    discs = ",".join(f'{{kind="disc",centre=[0.5,{y}],radius=0.1}}' for y in (0.5, -0.05))
+    asked = problem("reach", f'task.demands=[{{kind="travel",least=0.1}},{discs}]', "task.objectives=[]")
+    table = np.zeros((9, asked.body.joint_count))
+    straight = np.linspace([-0.5, 0], [0.5, 0], asked.body.vertices)
+    motion = Trajectory(Status.SOLVED, np.zeros((9, 3)), np.tile(straight, (9, 1, 1)), np.zeros(8), 0.0, 8)
+    assert goal_words(asked, table, motion, None) == [
+        "displacement 0.1 to 100 missed by 0.1000 body lengths",
+        "demand 2: clearance of disc met at every vertex and step",
+        f"demand 3: clearance of disc missed by 0.0500 body lengths at vertex {asked.body.vertices - 1}, step 0",
+    ]
+
+
 ASKED = {
     "turn-in-a-box": ["missed by -3.1416 rad", "clearance of box missed by 0.0100", "clearance         at least"],
     "checkpoints": ["shape at 0 met; rest there met", "(0.4, 0.1) missed: 0.4123 body lengths away, 0.05 allowed"],
@@ -123,3 +172,33 @@ def test_simulate_says_of_an_optimum_what_solve_said(tmp_path: Path, capsys: pyt
     kinds = ("goal", "from itself")
     assert [line for line in simulated if line.startswith(kinds)] == [line for line in solved if line.startswith(kinds)]
     assert "goal              distance from itself met" in simulated
+
+
+@pytest.mark.parametrize(
+    ("turn", "said"),
+    [
+        (86.0, "turns 86 degrees per cycle, so that it comes back after about 4.2 cycles; `straight = true`"),
+        (-10.0, "turns 10 degrees per cycle, so that it comes back after about 36 cycles"),
+        (345.0, "turns 345 degrees per cycle, so that it comes back after about 24 cycles"),
+        (3.0, None),
+        (358.0, None),
+    ],
+)
+def test_a_gait_that_turns_is_said_to_come_back(turn: float, said: str | None) -> None:
+    found = circle_note(problem("reference"), np.radians(turn))
+    assert (found is None) == (said is None)
+    assert found is None or found.startswith(said or "")
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        "task.constraints.straight=true",
+        "task.constraints.heading_change_rad=1.5",
+        'task.objectives=[{kind="effort"}]',
+        'task.objectives=[{kind="displacement"},{kind="heading",target_rad=1.0}]',
+        'task.demands=[{kind="reach",target=[0.1,0.0]}]',
+    ],
+)
+def test_a_gait_that_was_asked_to_turn_or_to_do_something_else_has_no_word_of_circles(asked: str) -> None:
+    assert circle_note(problem("reference", asked), 1.5) is None

@@ -12,6 +12,7 @@ import pytest
 
 from serpenoid.body import Floats
 from serpenoid.cases import cases_of
+from serpenoid.cli.main import main
 from serpenoid.errors import InputError
 from serpenoid.medium import Medium
 from serpenoid.model import Model
@@ -19,7 +20,9 @@ from serpenoid.optimise.prepared import Carried
 from serpenoid.optimise.robust import RobustSolver
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
+from serpenoid.plot.figures import motion_figure
 from serpenoid.problem import Problem
+from serpenoid.results import write_solution
 from serpenoid.status import Status
 from specimens import oracle_run, problem
 
@@ -58,6 +61,31 @@ def test_the_best_worst_case_is_better_in_the_worst_case_and_no_better_elsewhere
     assert worst.cost == pytest.approx(least, abs=1e-9)
     assert least < max(value(plain, ratio) for ratio in grid) - 1e-3
     assert value(worst, 0.1865) >= plain.cost - 1e-8
+
+
+def test_the_headline_says_in_which_medium_it_is_and_whether_that_is_a_case(
+    worst: Solution, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = "in the problem's own medium (anisotropy ratio 0.1865), which is none of the cases"
+    assert worst.headline_note == said
+    assert f"displacement {said}" in worst.summary()
+    record = write_solution(tmp_path, worst, figures=False)
+    assert record["robust"]["headline"] == said
+    assert main(["show", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert f"{worst.trajectory.displacement:.6g} body lengths in 1 cycle {said}" in out
+    for case in worst.cases:
+        assert f"{case.name:18}objective {case.value:.6g}, {case.trajectory.displacement:.6g} body lengths" in out
+    same = replace(worst, trajectory=worst.cases[0].trajectory)
+    assert same.headline_note is not None
+    assert same.headline_note.endswith(", the case eps 0.1")
+    title = motion_figure(worst.trajectory, worst.problem).axes[0].get_title(loc="left")
+    assert "in the problem's own medium; each case: cases.png" in title
+
+
+def test_one_model_alone_has_no_words_of_cases(plain: Solution) -> None:
+    assert plain.headline_note is None
+    assert "medium" not in motion_figure(plain.trajectory, plain.problem).axes[0].get_title(loc="left")
 
 
 def test_where_one_floor_is_always_the_worst_its_own_optimum_is_the_answer(worst: Solution) -> None:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from serpenoid.performance import between
 from serpenoid.plot import family as panels
 from serpenoid.plot import transport
 from serpenoid.plot.family import Family
@@ -86,6 +87,60 @@ def test_few_gaits_are_joined_by_a_curve_and_not_by_its_corners(family):
         assert set(ax.lines[1].get_xdata()) <= set(ax.lines[0].get_xdata())
     drawn = (0.5 + along.dissipation) / along.displacement
     assert np.abs(drawn - cost).max() < np.abs(joined - cost).max() / 2
+
+
+def square_root(c):
+    """D falls to nothing at c = 0.27, ever faster; Delta = c D - V, V its integral."""
+    left = np.sqrt(1 - c / 0.27)
+    return c * left + 0.18 * left**3, left
+
+
+def cubed(c):
+    """D = 1 / (1 + c)^3 falls fast at first."""
+    return c / (1 + c) ** 3 + 0.5 / (1 + c) ** 2, 1 / (1 + c) ** 3
+
+
+@pytest.mark.parametrize(("law", "last"), [(square_root, 0.26), (cubed, 2.5)])
+@pytest.mark.parametrize("count", [3, 5, 9])
+def test_few_gaits_tell_where_the_cost_of_transport_is_least_and_how_large_it_is(law, last, count):
+    """Along the curve Delta' = c D', so the drawn least is at p = Delta / c - D: where the family's own law has it."""
+    c, fine = np.linspace(0, last, count), np.linspace(0, last, 4001)
+    delta, spent = law(c)
+    far, work = law(fine)
+    for p in (0.1, 0.3):
+        ax = Figure().add_subplot()
+        transport.cost_of_transport(Family(c, delta, spent, np.zeros((count, 6))), ax, [p])
+        (at,), (least,) = ax.lines[2].get_data()
+        true = (p + work) / far
+        assert least == ax.lines[0].get_ydata().min()
+        assert at == pytest.approx(fine[true.argmin()], abs=0.25 * last / (count - 1))  # a quarter of the spacing
+        assert least == pytest.approx(true.min(), rel=0.25 / (count - 1) ** 2)  # of second order
+        assert least > 0.998 * true.min()  # no dip where no gait is
+
+
+@pytest.mark.parametrize("law", [square_root, cubed])
+def test_between_gaits_the_curve_obeys_what_optima_obey_and_is_exact_at_them(law):
+    c = np.array([0.0, 0.03, 0.1, 0.11, 0.26])
+    delta, spent = law(c)
+    went, work = between(c, delta, spent, c)
+    np.testing.assert_allclose([went, work], [delta, spent], rtol=0, atol=1e-14)  # rounding
+    fine = np.linspace(0, 0.26, 20001)
+    went, work = between(c, delta, spent, fine)
+    assert (np.diff(work) < 0).all()
+    middle = (fine[1:] + fine[:-1]) / 2
+    np.testing.assert_allclose(np.diff(went), middle * np.diff(work), rtol=0, atol=1e-8)  # Delta' = c D', by midpoints
+
+
+def test_a_family_of_other_goals_stays_between_its_gaits_and_its_star_lies_on_the_curve(ax):
+    """Displacement is prescribed: nothing is known of what lies between, and D is drawn within its neighbours."""
+    c, spent = np.array([0.5, 1.0, 1.5, 2.0]), np.array([0.3, 0.2, 0.25, 0.2])
+    went, work = between(c, np.full(4, 0.1), spent, fine := np.linspace(0.5, 2, 301))
+    np.testing.assert_allclose(went, 0.1, rtol=1e-14)
+    np.testing.assert_array_equal(between(c, np.full(4, 0.1), spent, c)[1], spent)
+    assert work.min() >= 0.2
+    assert work[fine > 1].max() <= 0.25
+    transport.cost_of_transport(Family(c, np.full(4, 0.1), spent, np.zeros((4, 6))), ax, [0.5])
+    assert ax.lines[2].get_ydata()[0] == ax.lines[0].get_ydata().min()
 
 
 def test_pareto_panel_draws_every_gait_and_joins_the_front(family, ax):

@@ -126,3 +126,8 @@ def test_edges_of_a_straight_link_do_not_cross_however_many_they_are(edges):
     corners = np.array([[0, 0], [1, 0], [0.5, 1], [0.3, -0.7]])
     links = [(1 - share[:-1]) * a + share[:-1] * b for a, b in zip(corners[:-1], corners[1:], strict=True)]
     assert crosses_itself(np.concatenate(links)[None]).all()
+
+
+def test_of_joints_that_hardly_move_no_number_is_told_of_how_far_the_limit_is(ax):
+    joints.joint_angles(np.full((8, 3), 1.7e-4), ax, 70.0)
+    assert [text.get_text() for text in ax.texts] == ["limit 70°, far above what is reached"]

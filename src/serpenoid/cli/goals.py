@@ -51,11 +51,27 @@ def mesh_lines(mesh: MeshStudy, goals: Sequence[str], remedy: str, what: str = "
     lines = [f"mesh              {what}{mesh.words}"]
     if mesh.within(REFINED) or not any(" met" in goal for goal in goals):
         return lines
-    said = f"goals are met with {mesh.steps} steps; with many the same gait may miss them by this error: {remedy}"
+    which = "goals that are met are met" if any("missed" in goal for goal in goals) else "goals are met"
+    said = f"{which} with {mesh.steps} steps; with many the same gait may miss them by this error: {remedy}"
     return [*lines, f"{'':18}{said}"]
 
 
-def clear_lines(obstacles: Clearance | None, own: SelfClear | None) -> list[str]:
-    """What is proven of the body's distance from obstacles and from itself."""
-    lines = [f"clearance         {obstacles.words}"] if obstacles else []
-    return [*lines, *([f"from itself       {own.words}"] if own else [])]
+def clear_lines(
+    obstacles: Clearance | None, fine: Clearance | None, own: SelfClear | None, steps: int, remedy: str
+) -> list[str]:
+    """What is proven of the body's distance from obstacles (fine: with FINER times as many steps) and from itself."""
+    from serpenoid.objectives.obstacles import DEEP
+    from serpenoid.optimise.mesh import FINER
+
+    of_itself = [f"from itself       {own.words}"] if own else []
+    if obstacles is None:
+        return of_itself
+    lines = [f"clearance         {obstacles.words_of(f' of the motion in {steps} steps')}"]
+    if fine is None:
+        return [*lines, *of_itself]
+    finer = f"in {FINER * steps} steps"
+    if fine.least < -DEEP:
+        keep = f"Ask for that much more `clearance`, or for more steps ({remedy})"
+        near = f"the same gait {finer} comes {-fine.least:.2e} body lengths nearer to obstacles than it may. {keep}"
+        return [*lines, f"warning           {near}.", *of_itself]
+    return [*lines, f"{'':18}{finer} {fine.words}", *of_itself]

@@ -23,6 +23,9 @@ from serpenoid.cli.log import settle
 
 log = logging.getLogger(__name__)
 SUMMARY = "summary.txt"  # what the command said, in its results folder
+MODEL_HELP = (
+    "model file whose medium and effects (and body, where it has a [body]) replace the problem's; another body is told"
+)
 SET_HELP = (
     "override a value of the problem file, e.g. --set medium.anisotropy_ratio=0.1 (repeatable); "
     "another gait.family begins [gait] and [task.bounds] anew"
@@ -38,7 +41,7 @@ def add_problem(parser: argparse.ArgumentParser) -> None:
 
 def add_model(parser: argparse.ArgumentParser) -> None:
     """--model."""
-    parser.add_argument("--model", metavar="FILE", help="model file whose medium and effects replace the problem's")
+    parser.add_argument("--model", metavar="FILE", help=MODEL_HELP)
 
 
 def add_set(parser: argparse.ArgumentParser) -> None:
@@ -75,20 +78,22 @@ def workers(args: argparse.Namespace) -> Workers:
 
 def add_open(parser: argparse.ArgumentParser) -> None:
     """--open."""
-    parser.add_argument("--open", action="store_true", help="open the report (or the first picture) when it is done")
+    parser.add_argument("--open", action="store_true", help="open the report (or the picture that says most)")
 
 
 def open_page(args: argparse.Namespace, folder: Path) -> None:
     """With --open: the folder's report in the browser, else a picture; a sentence where there is nothing to open."""
     if not getattr(args, "open", False):
         return
-    pages = [*sorted(folder.glob("*.html")), *sorted(folder.glob("*.png"))]
+    pictures = sorted(folder.glob("*.png"), key=lambda path: (path.name not in TELLING, path.name))
+    pages = [*sorted(folder.glob("*.html")), *pictures]
     if not pages:
         complain(f"--open: {folder} has neither a report nor a picture. Was it run with --no-figures?")
     elif not webbrowser.open(pages[0].resolve().as_uri()):
         complain(f"--open: no browser was found. The page: {pages[0]}")
 
 
+TELLING = {"motion.png", "family.png"}  # what an answer does, and a sweep: no folder has both
 MOST = 100_000  # of starts, gaits, trials: nobody waits for the last
 
 
@@ -136,13 +141,18 @@ def complain(message: str) -> None:
     sys.stderr.write(f"serpenoid: {message}\n")
 
 
-def warn_of_speed(problem: Problem) -> None:
-    """A sentence on standard error, with --quiet too, where a speed limit cannot hold."""
+def warn_of_problem(problem: Problem) -> None:
+    """Sentences on standard error, with --quiet too: another body than the file's, a speed limit that cannot hold."""
+    if problem.body_note is not None:
+        complain(f"{problem.body_note}.")
     if problem.joint_speed_limit_rpm is not None and problem.task.cycle_duration_s is None:
         complain(
             f"joint_speed_limit_rpm = {problem.joint_speed_limit_rpm:g} does not hold: without `cycle_duration_s` in "
             "[task] no joint has a speed. Give the duration, or leave out the limit."
         )
+
+
+WIDE_BAR, NARROW_BAR, WIDE = 40, 16, 120  # columns of the bar, and of a terminal that has room for the wide one
 
 
 class Advance(Protocol):
@@ -165,11 +175,20 @@ def progress_bar(
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.table import Column
 
     from serpenoid.cli.remaining import RemainingColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
-    with Progress(*columns, RemainingColumn(), TextColumn("{task.fields[note]}"), console=Console(stderr=True)) as bar:
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=WIDE_BAR if console.width >= WIDE else NARROW_BAR),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+        RemainingColumn(),
+        TextColumn("{task.fields[note]}", table_column=Column(ratio=1, no_wrap=True, overflow="ellipsis")),  # gives way
+    )
+    with Progress(*columns, console=console, expand=True) as bar:
         task = bar.add_task(title, total=total, note="", left=left)
         bar.live.transient = True  # a bar of work that never began is no news
 

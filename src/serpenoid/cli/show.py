@@ -90,6 +90,7 @@ def _taken_by(path: Path) -> str:
 def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
     body, gait = record["body"], record["gait"]
     law = LAWS[record.get("law", DEFAULT)]  # not in older records
+    robust = record.get("robust", {})
     joints = counted(len(body["joints"]), "joint")
     together = in_cycles(record["cycles"]) * (record["cycles"] > 1)
     lines = [
@@ -97,15 +98,18 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
         + ("" if record["message"] == record["status"] else f" ({record['message']})"),
         f"problem           {record['provenance']['problem']}, written {record['provenance']['written']}",
         f"body              {body['vertices']} vertices, {joints}, {body['length_m']:.4g} m",
+        *note_lines(record.get("body_note")),
         f"medium            anisotropy ratio {record['anisotropy_ratio']:g} at each {record['dissipation_at']}"
         + ("" if law.name == DEFAULT else f", {law.title}"),
         *(f"effect            {_effect(effect)}" for effect in record.get("effects", [])),
         f"gait              {', '.join(_gait(gait))}",
         *bound_lines(record.get("at_bounds", [])),
-        f"displacement      {_short(record['displacement_body_lengths'])} body lengths{in_cycles(record['cycles'])}",
+        f"displacement      {_short(record['displacement_body_lengths'])} body lengths{in_cycles(record['cycles'])}"
+        + (f" {robust['headline']}" if "headline" in robust else ""),
         f"heading change    {_turn(record)} rad{together}",
         f"{dissipation_name(law.name)}{_short(record['dissipation'])}{together}",
         *goal_lines(record),
+        *_cases(robust),
         *_floor(record),
         *note_lines(record.get("note")),
     ]
@@ -124,6 +128,15 @@ def _gait(gait: dict[str, Any]) -> list[str]:
     """Names and numbers; of a lifted gait those of its bending first."""
     bend = _gait(gait["bend"]) if "bend" in gait else []
     return bend + [f"{name} {_short(value)}" for name, value in gait.items() if name not in ("family", "bend", "lift")]
+
+
+def _cases(robust: dict[str, Any]) -> list[str]:
+    """A line for every case that a robust gait serves."""
+    went = "displacement_body_lengths"
+    return [
+        f"{case['case']:18}objective {_short(case['objective'])}, {_short(case[went])} body lengths"
+        for case in robust.get("cases", [])
+    ]
 
 
 def _floor(record: dict[str, Any]) -> list[str]:

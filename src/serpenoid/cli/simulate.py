@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from serpenoid.cli import options
 from serpenoid.cli.claim import sign
+from serpenoid.wording import percent
 
 if TYPE_CHECKING:
     from serpenoid.optimise.mesh import MeshStudy
@@ -35,7 +36,8 @@ def run(args: argparse.Namespace) -> int:
     """Simulate, write, report."""
     from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines, in_cycles, mesh_lines, speed_lines
     from serpenoid.joint_limits import limit_lines
-    from serpenoid.optimise.outcomes import clear_of_itself, clear_of_obstacles, mesh_of
+    from serpenoid.optimise.mesh import FINER
+    from serpenoid.optimise.outcomes import clear_of_itself, clear_of_obstacles, fine_clear_of_obstacles, mesh_of
     from serpenoid.problem import load
     from serpenoid.results import default_folder, weight_warning, write_simulation
     from serpenoid.self_contact import crossing_warning
@@ -43,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.trajectory import floor_lines
 
     problem = load(args.problem, args.set, args.model)
-    options.warn_of_speed(problem)
+    options.warn_of_problem(problem)
     folder = options.output_folder(args, default_folder(problem, "simulate"), problem.hash, *_table(problem))
     with options.progress_bar(args, "simulating", 3) as advance:
         size = f"{problem.task.cycles * problem.task.steps} steps of {problem.body.vertices} vertices"
@@ -75,7 +77,13 @@ def run(args: argparse.Namespace) -> int:
         *[f"{'':18}goals are judged from the motion of the first cycle"] * (several and bool(record["goals"])),
         *([] if mesh is None else mesh_lines(mesh, record["goals"], _more(mesh), "one cycle: " * several)),
         *_rows_lines(problem, len(result.table)),
-        *clear_lines(clear_of_obstacles(problem, result.table, motion), clear_of_itself(problem, result.table)),
+        *clear_lines(
+            clear_of_obstacles(problem, result.table, motion),
+            fine_clear_of_obstacles(problem, result.table),
+            clear_of_itself(problem, result.table),
+            motion.steps_per_cycle,
+            f"--set task.steps={FINER * motion.steps_per_cycle}",
+        ),
         *floor_lines(motion),
         *limit_lines(problem, result.table),
         *crossing_warning(motion),
@@ -112,7 +120,7 @@ def _softening_lines(problem: Problem, motion: Trajectory) -> list[str]:
     if not found.status.ok:
         return [f"softening         {medium.softening:g}; with {share:g} no motion was found to compare it with"]
     change = motion.displacement - found.displacement
-    part = f" ({100 * abs(change) / found.displacement:.2g} %)" if not found.stands_still else ""
+    part = f" ({percent(abs(change) / found.displacement)})" if not found.stands_still else ""
     what = f"with {share:g} the displacement is {found.displacement:z.6f}"
     return [f"softening         {medium.softening:g} changes it by {change:+.1e}{part}: {what}"]
 

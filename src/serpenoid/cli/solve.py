@@ -74,7 +74,7 @@ def run(args: argparse.Namespace) -> int:
     _check_together(args)
     assignments = [*args.set, *([f"task.c={args.c!r}"] if args.c is not None else [])]
     problem = load(args.problem, assignments, args.model)
-    options.warn_of_speed(problem)
+    options.warn_of_problem(problem)
     if args.ladder:
         return climb_ladder(args, problem)
     return _improve(args, problem) if args.improve else _solve(args, problem)
@@ -295,7 +295,8 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: 
     return [
         f"status            {best.status.name.lower()}{'' if best.status.ok else f': {best.message}'}",
         *note_lines(best.note),
-        f"displacement      {best.trajectory.displacement:z.6f} body lengths{'' if task.transient else ' per cycle'}",
+        f"displacement      {best.trajectory.displacement:z.6f} body lengths{'' if task.transient else ' per cycle'}"
+        f"{'' if best.headline_note is None else f' {best.headline_note}'}",
         *speed_lines(best.problem, best.trajectory.displacement),
         f"{dissipation_name(best.problem.medium.law)}{best.trajectory.dissipation:z.6f}",
         *([] if efficiency is None else [f"efficiency        {efficiency:.6f} (Lighthill's)"]),
@@ -308,7 +309,7 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: 
         *bound_lines(best.at_bounds),
         f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
         f"polishing gain {gain}",
-        *clear_lines(best.clearance, best.self_clearance),
+        *clear_lines(best.clearance, best.fine_clearance, best.self_clearance, best.mesh.steps, "--refine"),
         *mesh_lines(best.mesh, record["goals"], "--refine"),
         *_optimum_lines(best, refined),
         *starts_lines(record),
@@ -331,11 +332,12 @@ def _case_lines(best: Solution) -> list[str]:
     if robust is None:
         return []
     head = f"{robust.over} case over"
+    own = f"speed, dissipation, heading change{', mesh' * best.mesh.converged}"  # of no mesh: that of the coarsest case
     return [
         f"{head if i == 0 else '':18}{case.name}: objective {case.value:.6f}, {case.trajectory.displacement:.6f} body "
         f"lengths, {case.trajectory.heading_change:+.4f} rad"
         for i, case in enumerate(best.cases)
-    ]
+    ] + [f"{'':18}{own} and pictures other than `cases` are in the problem's own medium"]
 
 
 def _improve(args: argparse.Namespace, problem: Problem) -> int:

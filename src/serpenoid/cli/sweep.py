@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 from serpenoid.cli import options
 from serpenoid.cli.claim import claim, sign
 from serpenoid.cli.log import settle
-from serpenoid.wording import counted
+from serpenoid.wording import counted, percent
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
@@ -93,7 +93,7 @@ def run(args: argparse.Namespace) -> int:
     problems = [load(path, args.set, args.model) for path in args.problems]
     for problem in problems:
         check_weights(problem, values)
-        options.warn_of_speed(problem)
+        options.warn_of_problem(problem)
     folders = [_folder(args, problem, values) for problem in problems]
     if len(set(folders)) < len(folders):
         raise InputError("two of the problem files would write to the same folder: name each once, or rename one.")
@@ -167,7 +167,7 @@ def _lines(summary: dict, starts: int, refined: bool) -> list[str]:
         *_failures(summary["failures"]),
         *([f"  displacement {went[0]:.4f} .. {went[1]:.4f} body lengths", _transport(window)] if went else []),
         *(f"  {line}, at the least c" for line in summary["limits"]),
-        *_mesh_lines(summary["mesh"], refined),
+        *_mesh_lines(summary["mesh"], refined, summary["complete"]),
         f"  either end began from {counted(starts, 'random gait')}; more (--starts) may find a better branch",
         f"  written to {summary['folder']}",
     ]
@@ -181,17 +181,18 @@ def _failures(failures: list[dict[str, Any]]) -> list[str]:
     return [f"  failed at c = {failures[0]['c']:g}: {failures[0]['message']}{more}"]
 
 
-def _mesh_lines(mesh: dict[str, Any] | None, refined: bool) -> list[str]:
+def _mesh_lines(mesh: dict[str, Any] | None, refined: bool, complete: bool) -> list[str]:
     """How far the number of steps counts in the family."""
     if mesh is None:
         return []
     least, most = mesh["steps"]
     steps = f"{least}" if least == most else f"{least} to {most}"
-    said = f"  mesh: {steps} steps; with many steps the same gaits go as far within {100 * mesh['largest_error']:.2g} %"
+    said = f"  mesh: {steps} steps; with many steps the same gaits go as far within {percent(mesh['largest_error'])}"
     if not mesh["coarse"]:
         return [said]
     if refined:
-        return [f"{said}; {counted(mesh['coarse'], 'point')} could not be refined to 0.1 %"]
+        points = counted(mesh["coarse"], "point")
+        return [f"{said}; {points} {'could not be' if complete else 'not yet'} refined to 0.1 %"]
     return [f"{said}, but other gaits may then be better, and kinks vanish: --refine, or --set task.steps={4 * most}"]
 
 

@@ -32,7 +32,11 @@ class Clearance:
     @property
     def words(self) -> str:
         """One line for people."""
-        proven = f"at least {self.proven:.2e} body lengths at every time and place, proven"
+        return self.words_of("")
+
+    def words_of(self, motion: str) -> str:
+        """The same, with the motion that it is proven of."""
+        proven = f"at least {self.proven:.2e} body lengths at every time and place{motion}, proven"
         return f"{proven}; the least gap found is {self.least:.2e}"
 
 

@@ -22,11 +22,13 @@ from typing import Protocol
 import numpy as np
 
 from serpenoid.status import Status
+from serpenoid.wording import percent
 
 TOLERANCE = 0.05  # of the limit; the paper's 50 steps are 0.5 % (its gait of amplitude 6) to 1.2 % (the optimum) off
 GYRATION = 12**-0.5  # body lengths: a turn of a straight uniform body counts as its points' root mean square way
 RESOLVED = 1e-6  # body lengths: as much as polishing may still gain
 FACTORS = (1, 2, 4)
+FINER = FACTORS[-1]
 
 
 @dataclass(frozen=True)
@@ -152,8 +154,7 @@ def _error(values: tuple[float, float, float]) -> float:
 def _share(error: float, whole: float) -> str:
     if abs(whole) <= RESOLVED:
         return f"{error:.1e}"
-    percent = 100 * error / abs(whole)
-    return f"{error:.1e} ({percent:.2g} %)" if percent < 99.5 else f"{error:.1e} ({percent:.0f} %)"
+    return f"{error:.1e} ({percent(error / abs(whole))})"
 
 
 def _limit(pair: tuple[float, ...]) -> float:

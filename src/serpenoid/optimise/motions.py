@@ -14,9 +14,10 @@ from serpenoid.body import Floats
 from serpenoid.gaits import Gait
 from serpenoid.mechanics.tables import family_tables
 from serpenoid.optimise.asked import Customise, asked
+from serpenoid.optimise.clearance import Clearance
 from serpenoid.optimise.ipopt import Point
 from serpenoid.optimise.limits import path_limits, violations
-from serpenoid.optimise.mesh import MeshStudy, study_mesh
+from serpenoid.optimise.mesh import FINER, MeshStudy, study_mesh
 from serpenoid.optimise.motion_law import needs_states
 from serpenoid.optimise.obstacles import Obstacles
 from serpenoid.optimise.played import Played
@@ -110,6 +111,15 @@ class GaitMotions:
     def outcomes(self, q: Floats, c: float) -> tuple[CaseOutcome, ...]:
         """What gait q does in every case that it must serve; of one model: nothing more to say."""
         return ()
+
+    def fine_clearance(self, q: Floats) -> Clearance | None:
+        """How near the body comes to obstacles with FINER times as many steps; None without any, or where it fails."""
+        motion = self.simulate(q, FINER) if self.obstacles.gaps else None
+        if motion is None or not motion.status.ok:
+            return None
+        family = self.family.refined(FINER)
+        table = family_tables(self.model, family, self.family.on_finer_rows(q, FINER)[None])[0]
+        return self.obstacles.clearance(motion.poses, table)
 
     def self_clearance(self, table: Floats) -> SelfClear | None:
         """How near the body comes to itself; None where nobody asks."""

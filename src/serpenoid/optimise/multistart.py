@@ -135,6 +135,7 @@ def as_solution(
         resimulation_error=check.resimulation_error,
         polishing_gain=check.polishing_gain,
         clearance=answer.clearance,
+        fine_clearance=None if answer.clearance is None else solver.fine_clearance(answer.q),
         mesh=mesh,
         ipopt_status=outcome.ipopt_status,
         iterations=answer.iterations,

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from serpenoid.body import Floats
-from serpenoid.gaits import TableGait
+from serpenoid.gaits import GaitFamily, TableGait
+from serpenoid.mechanics.tables import family_tables
 from serpenoid.objectives.criteria import Criteria
 from serpenoid.objectives.obstacles import Obstacle
-from serpenoid.objectives.term import Goal, Played, told
+from serpenoid.objectives.term import Demand, Goal, Played, told
 from serpenoid.optimise.apart import pairs_of
 from serpenoid.optimise.clearance import Clearance
-from serpenoid.optimise.mesh import MeshStudy, study_mesh
+from serpenoid.optimise.mesh import FINER, MeshStudy, study_mesh
 from serpenoid.optimise.obstacles import Obstacles
 from serpenoid.optimise.solution import SelfClear
 from serpenoid.problem import Problem
@@ -22,7 +25,7 @@ def goal_words(problem: Problem, table: Floats, motion: Trajectory, own: SelfCle
     task, rows = problem.task, motion.steps_per_cycle + 1
     played = Played(motion.poses[:rows], motion.vertices[:rows], table)
     goals: list[Goal] = [*task.objectives, *task.demands]
-    words = [goal.outcome(played) for goal in goals]
+    words = [_numbered(goal, task.demands, goal.outcome(played)) for goal in goals]
     words += [] if own is None else [own.goal]
     heading = 0.0 if task.constraints.straight else task.constraints.heading_change_rad
     if heading is not None:
@@ -30,28 +33,52 @@ def goal_words(problem: Problem, table: Floats, motion: Trajectory, own: SelfCle
     return [said for said in words if said]
 
 
+def _numbered(goal: Goal, demands: Sequence[Demand], said: str) -> str:
+    """Which of several demands of its kind it is, counted as complaints about the file count them."""
+    alike = [i for i, demand in enumerate(demands, start=1) if demand.kind == goal.kind]
+    which = next((i for i in alike if demands[i - 1] is goal), None)
+    return said if which is None or len(alike) == 1 or not said else f"demand {which}: {said}"
+
+
 def mesh_of(problem: Problem, table: Floats) -> MeshStudy:
     """How the motion of the problem's gait, whose joint table is known, depends on the number of steps."""
-    family, gait = problem.family_of(), problem.gait
-    if isinstance(gait, TableGait):  # of a file, which has its own number of rows
-        family = TableGait.from_angles(table).of(table.shape[1], len(table), closed=not problem.task.transient)
-    q = family.start()
 
     def motion(factor: int) -> Trajectory:
-        return simulate_gait(problem.model, family.refined(factor), family.on_finer_rows(q, factor))
+        return simulate_gait(problem.model, *_finer(problem, table, factor))
 
     return study_mesh(motion, len(table) - problem.task.transient)
 
 
+def _finer(problem: Problem, table: Floats, factor: int) -> tuple[GaitFamily, Floats]:
+    """The problem's gait with `factor` times as many steps: its family, and its parameters there."""
+    family = problem.family_of()
+    if isinstance(problem.gait, TableGait):  # of a file, which has its own number of rows
+        family = TableGait.from_angles(table).of(table.shape[1], len(table), closed=not problem.task.transient)
+    return family.refined(factor), family.on_finer_rows(family.start(), factor)
+
+
 def clear_of_obstacles(problem: Problem, table: Floats, motion: Trajectory) -> Clearance | None:
     """How near the body comes to obstacles between all rows of a cycle; None where there are none."""
+    steps = motion.steps_per_cycle
+    return _obstacles(problem, steps).clearance(motion.poses[: steps + 1], table)
+
+
+def fine_clear_of_obstacles(problem: Problem, table: Floats) -> Clearance | None:
+    """The same of a cycle with FINER times as many steps; None where it fails, too."""
+    family, q = _finer(problem, table, FINER)
+    obstacles = _obstacles(problem, FINER * (len(table) - problem.task.transient))
+    motion = simulate_gait(problem.model, family, q) if obstacles.gaps else None
+    if motion is None or not motion.status.ok:
+        return None
+    return obstacles.clearance(motion.poses, family_tables(problem.model, family, q[None])[0])
+
+
+def _obstacles(problem: Problem, steps: int) -> Obstacles:
     found = Criteria(1, 1, problem.body.joint_count, 0)
     for demand in problem.task.demands:
         if isinstance(demand, Obstacle):
             demand.require(found)
-    steps = motion.steps_per_cycle
-    obstacles = Obstacles(tuple(found.clear_of), problem.model, steps, not problem.task.transient)
-    return obstacles.clearance(motion.poses[: steps + 1], table)
+    return Obstacles(tuple(found.clear_of), problem.model, steps, not problem.task.transient)
 
 
 def clear_of_itself(problem: Problem, table: Floats) -> SelfClear | None:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from serpenoid.body import Floats
 from serpenoid.gaits import Gait
 from serpenoid.objectives.term import NOTHING, told
 from serpenoid.optimise.apart import Pairs
+from serpenoid.optimise.circle import circle_note
 from serpenoid.optimise.clearance import Clearance
 from serpenoid.optimise.ipopt import Residuals
 from serpenoid.optimise.mesh import MeshStudy
@@ -55,7 +58,8 @@ class Solution(Shown):
     """An optimal gait; `trajectory` is its re-simulation, `table` (R, m) its joint angles [rad].
 
     cost: the objective, with the user's own terms where there are any, from the re-simulation; `objective`: what the
-    optimiser minimised. clearance: from obstacles, if there are any. names, q: the family's parameters (n,). cases:
+    optimiser minimised. clearance: from obstacles, if there are any; fine_clearance:
+    the same of the mesh certificate's finest motion. names, q: the family's parameters (n,). cases:
     those that a robust gait serves; `cost` is then over all of them, `trajectory` is in the problem's own medium.
     rest_is_as_good: a straight body that never moves meets all that is asked at the same cost.
     missed: of a failure, by how much the gait as it is simulated misses limits and demands together.
@@ -81,6 +85,7 @@ class Solution(Shown):
     seconds: float
     timing: dict[str, float]
     cases: tuple[CaseOutcome, ...] = ()
+    fine_clearance: Clearance | None = None
     self_clearance: SelfClear | None = None
     rest_is_as_good: bool = False
     missed: float = 0.0
@@ -106,11 +111,24 @@ class Solution(Shown):
 
     @property
     def note(self) -> str | None:
-        """What is to be known of an optimum than which a body at rest is no worse; None: nothing."""
-        return rest_note(self.problem, self.c) if self.status.ok and self.rest_is_as_good else None
+        """What is to be known of an optimum that rest equals, or that leads round a circle; None: nothing."""
+        if not self.status.ok:
+            return None
+        turn = self.trajectory.heading_change
+        return rest_note(self.problem, self.c) if self.rest_is_as_good else circle_note(self.problem, turn)
+
+    @property
+    def headline_note(self) -> str | None:
+        """Of a robust gait, in which medium `trajectory` is; None of any other."""
+        if self.problem.task.robust is None:
+            return None
+        own = f"the problem's own medium (anisotropy ratio {self.problem.medium.anisotropy_ratio:g})"
+        same = (case.name for case in self.cases if np.array_equal(case.trajectory.poses, self.trajectory.poses))
+        return f"in {own}, {f'the case {name}' if (name := next(same, None)) else 'which is none of the cases'}"
 
     def summary(self) -> str:
         """How it ended, and how far the gait goes for what."""
         went = f"{self.trajectory.displacement:.6f} body lengths, cost {self.cost:.6f} at c = {self.c:g}"
         said = f"{self.problem.name}: {self.status.name.lower()}, {went}"
+        said += "" if self.headline_note is None else f"; displacement {self.headline_note}"
         return said if self.note is None else f"{said}; {self.note}"

@@ -28,6 +28,8 @@ THERE_AND_BACK = (
     "where it was (scallop theorem). Widen the bounds until the shapes can go round a loop: of an ellipse, a `sigma` "
     "other than 0."
 )
+ASKING = {"displacement", "transport", "efficiency"}  # objectives that no body at rest does well by
+SPARING = {"bending", "effort"}  # objectives that moving costs
 NOT_ASKED = (
     "no goal asks it to move. Ask for `displacement`, for a place or heading that it does not begin with, or demand "
     "`travel`"
@@ -72,5 +74,16 @@ def _drawn(problem: Problem) -> Floats:
 
 def rest_note(problem: Problem, c: float) -> str:
     """What to say of an optimum than which a body at rest is no worse."""
-    less = ", or give dissipation less weight (`c`)" if c > 0 else ""
-    return f"a body that stands still does as well: {why_unmoved(problem) or f'{NOT_ASKED}{less}.'}"
+    return f"a body that stands still does as well: {why_unmoved(problem) or _outweighed(problem, c)}"
+
+
+def _outweighed(problem: Problem, c: float) -> str:
+    """Of a body that can move: whether nothing asks it to, or what speaks against it."""
+    kinds = [term.kind for term in problem.task.objectives]
+    if not ASKING.intersection(kinds):
+        less = ", or give dissipation less weight (`c`)" if c > 0 else ""
+        return f"{NOT_ASKED}{less}."
+    against = [f"`c` (now {c:g})"] * (c > 0) + [f"the weight of `{kind}`" for kind in kinds if kind in SPARING]
+    if not against:
+        return "no gait that was found goes anywhere within the bounds, limits and demands. Widen them."
+    return f"no gait that was found is worth what it costs. Lower {' or '.join(against)}."

@@ -54,7 +54,7 @@ class Family:
     def between(self, first: int = 0) -> Family:
         """What it does between its gaits, from the given one on; parameters of gaits are not interpolated."""
         at = np.unique(np.concatenate([self.c[first:], np.linspace(self.c[first], self.c[-1], SAMPLES)]))
-        delta, spent = (between(self.c, values, at) for values in (self.displacement, self.dissipation))
+        delta, spent = between(self.c, self.displacement, self.dissipation, at)
         return Family(at, delta, spent, np.full((at.size, self.gaits.shape[1]), np.nan), self.names)
 
 

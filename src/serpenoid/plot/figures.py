@@ -23,6 +23,7 @@ from serpenoid.plot.world import cycles_asked, obstacles, targets
 from serpenoid.problem import Problem
 from serpenoid.self_contact import crosses_itself
 from serpenoid.trajectory import LiftedTrajectory, Trajectory
+from serpenoid.wording import up_to
 
 if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
@@ -107,7 +108,8 @@ def motion_figure(trajectory: Trajectory, problem: Problem, cycles: int | None =
     ax = fig.add_subplot()
     one = "The motion" if problem.task.transient else "A cycle"
     shown = f"; {cycles} cycles" if cycles > 1 else ""
-    title = f"{trajectory_words(trajectory, one)}{shown}{contact_words(trajectory)}"
+    own = "" if problem.task.robust is None else "\nin the problem's own medium; each case: cases.png"
+    title = f"{trajectory_words(trajectory, one)}{shown}{contact_words(trajectory)}{own}"
     bodies = 9 if cycles == 1 else max(1, min(4, 12 // cycles)) * cycles + 1
     dots = _countable(problem.body.joint_vertices) if cycles == 1 else ()
     motion(trajectory, ax, cycles, bodies, title, problem.body.told_length_m, dots)
@@ -152,11 +154,11 @@ def joints_figure(table: Floats, problem: Problem) -> Figure:
     fig = figure(8.6, 5.6 if duration else 3.2)
     axes = fig.subplots(2 if duration else 1, 1, squeeze=False)[:, 0]
     most = np.rad2deg(np.abs(table).max())
-    joints.joint_angles(table, axes[0], body.joint_limit_deg, f"Joint angles, up to {most:.1f}°", closed)
+    joints.joint_angles(table, axes[0], body.joint_limit_deg, f"Joint angles, {up_to(most, '°')}", closed)
     if duration:
         speeds = joints.speeds_rpm(table, duration, closed)
         whole = "a cycle" if closed else "the whole motion"
-        title = f"Joint speeds, up to {np.abs(speeds).max():.1f} rpm with {whole} in {duration:g} s"
+        title = f"Joint speeds, {up_to(float(np.abs(speeds).max()), ' rpm')} with {whole} in {duration:g} s"
         joints.joint_speeds(speeds, axes[1], body.joint_speed_limit_rpm, title, closed)
     joints.joint_bar(list(axes), table.shape[1])
     return fig
@@ -169,6 +171,6 @@ def spatial_joints_figure(table: Floats, problem: Problem) -> Figure:
     axes = fig.subplots(2, 1)
     for ax, angles, word in zip(axes, (table[:, :m], table[:, m:]), ("Yaw", "Pitch"), strict=True):
         most = np.rad2deg(np.abs(angles).max())
-        joints.joint_angles(angles, ax, body.joint_limit_deg, f"{word} of the joints, up to {most:.1f}°", closed)
+        joints.joint_angles(angles, ax, body.joint_limit_deg, f"{word} of the joints, {up_to(most, '°')}", closed)
     joints.joint_bar(list(axes), m)
     return fig

@@ -85,6 +85,11 @@ def joint_bar(ax: Axes | list[Axes], count: int) -> None:
     bar.update_ticks()
 
 
+def _far(times: float) -> str:
+    """How far above what is reached a limit is; of a body that hardly moves the number says nothing."""
+    return f"{times:.2g} times" if times < 99.5 else "far above"
+
+
 def _limits(ax: Axes, limit: float | None, name: str, reach: float) -> None:
     """Dashed lines at +-limit, named; of one far above the data its name and how far, so that it leaves curves room."""
     ax.axhline(0, color=GREY, linewidth=0.8)
@@ -92,7 +97,7 @@ def _limits(ax: Axes, limit: float | None, name: str, reach: float) -> None:
     if limit and limit > FAR * reach > 0:
         top = 1.3 * reach
         ax.annotate(
-            f"{name}, {limit / reach:.2g} times what is reached", (0.99, 0.97), xycoords="axes fraction", ha="right",
+            f"{name}, {_far(limit / reach)} what is reached", (0.99, 0.97), xycoords="axes fraction", ha="right",
             va="top", color=RED, fontsize=SMALL, bbox={"facecolor": "white", "linewidth": 0, "pad": 0.5},
         )  # fmt: skip
     elif limit:

@@ -40,11 +40,11 @@ def cost_of_transport(
 ) -> Axes:
     """A curve per idle level p, a dot per gait, the least of these starred (hollow at an end: it goes on beyond)."""
     along = family.between()
-    levels, ends = best_idle(along), []
+    ends = []
     for p, colour in zip(idle_levels, CHAIN_MAP(np.linspace(0, 1, len(idle_levels))), strict=True):
         cost = normalised_cost_of_transport(family.displacement, family.dissipation, p)
         curve = normalised_cost_of_transport(along.displacement, along.dissipation, p)
-        least = min(int((levels > p).sum()), along.c.size - 1)  # levels fall: a drawn curve is too flat to tell
+        least = int(curve.argmin())
         inside = 0 < least < along.c.size - 1
         star: dict[str, Any] = {"color": colour, "markerfacecolor": colour if inside else "white"}
         ax.plot(along.c, curve, color=colour, linewidth=1.6)

@@ -29,6 +29,7 @@ def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict
         "kind": "sweep",
         "problem": result.problem.name,
         "folder": str(folder),
+        **({} if result.problem.body_note is None else {"body_note": result.problem.body_note}),
         "complete": result.complete,
         "points": len(result.points),
         "solved": len(solved),
