@@ -17,7 +17,7 @@ from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.medium import Fit, linearised
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import MotionFinding
-from serpenoid.diagnose.stages.values_of_motion import fits_of_ratio, ratio_ends
+from serpenoid.diagnose.stages.values_of_motion import fits_of_ratio, ratio_ends, ratio_interval
 from serpenoid.model import Model
 
 
@@ -39,16 +39,17 @@ class RatioChange:
 
 def ratio_changed(found: MotionFinding, baseline: Baseline) -> RatioChange | None:
     """By more than chance makes of it at the stated error, with and without names that may be stand-ins and effects
-    below detection, which may take its place, and visibly; None where it is not, or without a reference."""
+    below detection, which may take its place, and visibly; where something is left, by more than gaits disagree about.
+    None where it is not, or without a reference."""
     motion, settled = found.selection.motion, found.selection.settled
     then = baseline.ratio_before(motion.tracks)
     if then is None:
         return None
     far = float(ndtri(1 - ERROR / 2))
-    for fit in (*fits_of_ratio(found.selection, found.stage), found.selection.best):
-        low, high = ratio_ends(motion, fit, far)
-        if low <= then[1] and then[0] <= high:
-            return None
+    fits = (*fits_of_ratio(found.selection, found.stage), found.selection.best)
+    held = [ratio_ends(motion, fit, far) for fit in fits] + [ratio_interval(found.selection, found.stage)]
+    if any(low <= then[1] and then[0] <= high for low, high in held):
+        return None
     before, after = baseline.model.medium.anisotropy_ratio, settled.model.medium.anisotropy_ratio
     size = strength(motion, settled.predictions, linearised(motion, _with(settled, before), settled.effects)[1])
     change = RatioChange(before, after, size / found.selection.noise_level_m)
