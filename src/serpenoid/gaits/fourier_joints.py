@@ -111,6 +111,11 @@ class JointSeriesFamily(AngleFamily):
     def scaled(self, p: Floats, factor: float) -> Floats:
         return p * factor
 
+    @property
+    def steady(self) -> Floats:
+        """The mean of every joint."""
+        return np.eye(self.size)[:: 1 + 2 * len(self.orders)]
+
     def gait(self, p: Floats) -> JointSeriesGait:
         rows = p.reshape(self.joints, -1).tolist()
         return JointSeriesGait(orders=self.orders, angles=tuple(tuple(row) for row in rows))
