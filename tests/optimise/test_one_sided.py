@@ -10,6 +10,7 @@ import pytest
 from serpenoid.errors import InputError
 from serpenoid.objectives import Criteria
 from serpenoid.optimise.certify import gait_costs
+from serpenoid.optimise.interrupt import STOOD, IterationCallback
 from serpenoid.optimise.limits import path_limits, violations
 from serpenoid.optimise.own import certify_table
 from serpenoid.optimise.robust import solver_of
@@ -167,6 +168,26 @@ def test_waves_that_cannot_keep_to_one_side_are_refused_before_the_work() -> Non
 def test_limits_that_mean_nothing_are_refused(limit: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         robot("ellipse", f"body.joint_limit_deg={limit}")
+
+
+def test_a_search_that_stands_for_long_is_given_up_and_one_that_comes_away_is_not() -> None:
+    """Where all starts break a constraint IPOPT shrinks the gait to rest, at the kink of the displacement."""
+    told: list[float] = []
+    callback = IterationCallback((5, 1, 1), told.append, poses=3)
+
+    def stops(*poses: float) -> bool:
+        result = np.zeros(1)
+        callback.eval_buffer([np.array([*poses, 1.0, 2.0]), np.array([0.5])], [result])
+        return bool(result[0])
+
+    for _ in range(3):
+        assert not any(stops(1e-6, 0.0, -1e-6) for _ in range(STOOD - 1))
+        assert not stops(1e-6, 0.0, 1e-2)  # it turned
+    assert [stops(0.0, 0.0, 0.0) for _ in range(STOOD)] == [False] * (STOOD - 1) + [True]
+    assert callback.given_up
+    assert len(told) == 4 * STOOD
+    callback.poses, callback.stood = 0, 0
+    assert not any(stops(0.0, 0.0, 0.0) for _ in range(2 * STOOD))
 
 
 def test_a_range_is_refused_where_joints_pitch() -> None:

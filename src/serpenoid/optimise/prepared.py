@@ -100,7 +100,7 @@ class PreparedNLPs(GaitMotions):
             options = self._options | (BESIDE_OBSTACLES if watch.points else {})
             while len(self._prepared) >= MOST_PREPARED:
                 del self._prepared[next(iter(self._prepared))]
-            self._prepared[key] = nlp, Ipopt(nlp, kept, options)
+            self._prepared[key] = nlp, Ipopt(nlp, kept, options, self.family.pose_size * self.steps)
         return self._prepared[key]
 
     def parameters(self, c: float, rows: tuple[int, ...]) -> Floats:

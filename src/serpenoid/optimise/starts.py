@@ -69,10 +69,15 @@ def _drawn(solver: GaitSolver, rng: np.random.Generator) -> Floats:
             return found
     limit, family = solver.problem.joint_limit_deg, solver.family.like.family
     words = "its limits" if limit is None else f"{limit_words(limit)} degrees"
+    why = "widen the bounds, or the limit."
+    if solver.family.coordinates == "serpenoid":
+        why = (
+            "a wave along the body bends to both sides, unless it is longer than the body. Take the family "
+            "`fourier-joints`, `spline` or `table`, or allow a lower `xi`."
+        )
     raise InputError(
         f"[body] joint_limit_deg: no gait of family `{family}` that [task.bounds] allows was found to keep every joint "
-        f"within {words}: a wave along the body bends to both sides, unless it is longer than the body. Take the "
-        "family `fourier-joints`, `spline` or `table`, or allow a lower `xi`."
+        f"within {words}: {why}"
     )
 
 
