@@ -62,9 +62,18 @@ def _shrink(solver: GaitSolver, q: Floats) -> Floats:
 
 
 def _drawn(solver: GaitSolver, rng: np.random.Generator) -> Floats:
-    """The first of random gaits that can be moved inside the limits."""
+    """The first of random gaits that can be moved inside the limits.
+
+    A free table is cut off at them instead, where that leaves a motion: joints that pause at their limits lead to
+    better optima than those that swing about the middles of their ranges.
+    """
     for _ in range(DRAWS):
-        found = _moved(solver, solver.family.sample(rng))
+        drawn = solver.family.sample(rng)
+        if solver.family.free:
+            cut = np.clip(drawn, *solver.gait_bounds())
+            if solver.family.moves(cut) and float(solver.excess(solver.table(cut)).max()) <= 0:
+                return cut
+        found = _moved(solver, drawn)
         if found is not None:
             return found
     limit, family = solver.problem.joint_limit_deg, solver.family.like.family
