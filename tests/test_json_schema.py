@@ -64,6 +64,9 @@ BODY: dict[str, Any] = {"body": {"vertices": 5}, "medium": {"anisotropy_ratio": 
         {"gait": {"path": "table.csv"}},
         {"gait": {"family": "table", "path": "table.csv"}},
         {"gait": {"sigma": 0.5}, "task": {"bounds": {"sigma": [0, 1]}, "constraints": {"joint_limits": False}}},
+        {"body": {"vertices": 5, "joint_limit_deg": 60}},
+        {"body": {"vertices": 5, "joint_limit_deg": [0, 60]}},
+        {"body": {"vertices": 5, "joint_limit_deg": [[0, 60], [-30, 30], [-10, 5]]}},
     ],
 )
 def test_what_may_be_left_out_of_a_problem_file_may_be_left_out_for_the_schema(more: dict[str, Any]) -> None:
@@ -78,6 +81,9 @@ def test_what_may_be_left_out_of_a_problem_file_may_be_left_out_for_the_schema(m
         ("problem", BODY | {"effects": [{"name": "slope", "steepness": 2}]}),
         ("problem", BODY | {"effects": [{"name": "slpe"}]}),
         ("problem", {"body": {"vertices": 2}, "medium": {"anisotropy_ratio": 0.2}}),
+        ("problem", BODY | {"body": {"vertices": 5, "joint_limit_deg": [0, 200]}}),
+        ("problem", BODY | {"body": {"vertices": 5, "joint_limit_deg": [0, 30, 60]}}),
+        ("problem", BODY | {"body": {"vertices": 5, "joint_limit_deg": -60}}),
         ("robot", {"format": 1, "name": "x"}),
         ("protocol", {"gait": []}),
         ("campaign", {"format": 2}),

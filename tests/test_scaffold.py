@@ -99,6 +99,17 @@ def test_a_new_robot_file_fits_its_problem_and_passes_its_gait(tmp_path: Path) -
     assert check_table(simulate(problem).table, robot, 5.0, robot.nominal_V) == []
 
 
+def test_a_joint_that_bends_farther_to_one_side_is_asked_for_with_both_ends(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = load(new("problem", tmp_path / "mine.toml", *SIX[:-1], "0,60"))
+    assert found.joint_limit_deg == (0.0, 60.0)
+    assert main(["new", "problem", str(tmp_path / "other.toml"), "--yes", *SIX[:-1], "60,0"]) == 2
+    assert "joint-limit: needs two numbers from -180 to 180, the lower one first" in capsys.readouterr().err
+    path = new("robot", tmp_path / "servos.toml", "--problem", str(tmp_path / "mine.toml"))
+    assert "# The body in mine.toml bends by 0 to 60 degrees" in path.read_text(encoding="utf-8")
+
+
 def test_limits_that_nobody_stated_are_said_to_be_assumed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     new("problem", tmp_path / "mine.toml", *SIX)
     limit = load(tmp_path / "mine.toml").body.joint_limit_deg

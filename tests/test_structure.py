@@ -31,11 +31,12 @@ ALLOWED = {
 # what each of these rooms may know of the others; rooms that are not listed stand to the right of them all
 LEFT_OF_MODELS = {
     "errors", "wording", "files", "table_file", "status", "shown", "body", "body_curve", "medium", "group", "gaits",
-    "objectives", "interrupts",
+    "objectives", "interrupts", "joint_range",
 }  # fmt: skip
 MAY_IMPORT = {
     "files": {"errors"},
-    "body": {"errors", "files"},
+    "body": {"errors", "files", "joint_range"},
+    "joint_range": set(),
     "body_curve": {"body"},
     "medium": {"files", "media"},
     "group": {"body"},

@@ -14,6 +14,7 @@ from pydantic import Field, field_validator, model_validator
 
 from serpenoid.errors import InputError
 from serpenoid.files.schema import Record
+from serpenoid.joint_range import JointLimit, misfit, ranges_deg
 
 Positive = Annotated[float, Field(gt=0)]
 Floats = NDArray[np.float64]
@@ -60,7 +61,9 @@ class Body(Record):
     )
     joints: tuple[int, ...] | None = Field(default=None, description="vertices that bend; default all interior ones")
     mass_kg: Positive | None = Field(default=None, description="for the cost of transport")
-    joint_limit_deg: Annotated[float, Field(gt=0, le=180)] | None = Field(default=None, description="|joint angle|")
+    joint_limit_deg: JointLimit | None = Field(
+        default=None, description="|joint angle|, or [lower, upper], or [lower, upper] of each joint, tail to head"
+    )
     joint_speed_limit_rpm: Positive | None = Field(default=None, description="XL430 at 11.1 V: 57")
 
     @model_validator(mode="before")
@@ -94,6 +97,8 @@ class Body(Record):
             inside = all(0 < j < n - 1 for j in self.joints)
             if not self.joints or not inside or sorted(set(self.joints)) != list(self.joints):
                 raise ValueError(f"`joints` must be increasing vertex numbers between 1 and {n - 2}, got {self.joints}")
+        if (said := misfit(self.joint_limit_deg, self.joint_count)) is not None:
+            raise ValueError(said)
         return self
 
     @cached_property
@@ -237,3 +242,8 @@ class Body(Record):
     def joint_count(self) -> int:
         """m."""
         return len(self.joint_vertices)
+
+    @property
+    def joint_ranges_deg(self) -> Floats | None:
+        """Lower and upper angle of every joint, shape (m, 2) [degrees]; None where nothing limits them."""
+        return None if self.joint_limit_deg is None else ranges_deg(self.joint_limit_deg, self.joint_count)

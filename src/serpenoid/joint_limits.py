@@ -5,6 +5,7 @@ T: steps, m: joints; a joint table has T rows where it is closed, and T + 1 wher
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Floats
+from serpenoid.joint_range import Limit, limit_words, range_words, ranges_deg
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
@@ -23,6 +25,44 @@ def largest_angle(table: Floats) -> tuple[int, float]:
     """Joint (0 next to the tail) and largest |angle| [degrees] of a table [rad]."""
     reach = np.degrees(np.abs(table)).max(axis=0)
     return int(reach.argmax()), float(reach.max())
+
+
+@dataclass(frozen=True)
+class Farthest:
+    """Where a table goes farthest beyond the range of a joint, or comes nearest to its end.
+
+    joint: 0 next to the tail; step: the row; angle, lower, upper [degrees].
+    """
+
+    joint: int
+    step: int
+    angle: float
+    lower: float
+    upper: float
+
+    @property
+    def kept(self) -> bool:
+        """Whether the range is kept, to rounding."""
+        slack = KEPT * max(abs(self.lower), abs(self.upper))
+        return self.lower - slack <= self.angle <= self.upper + slack
+
+    @property
+    def reach(self) -> float:
+        """The angle as people compare it with the range: without its sign where that does not matter [degrees]."""
+        return abs(self.angle) if self.lower == -self.upper else self.angle
+
+    @property
+    def limit(self) -> str:
+        """The joint's range in words."""
+        return range_words(self.lower, self.upper)
+
+
+def farthest(table: Floats, limit: Limit) -> Farthest:
+    """Where a table (T, m) [rad] goes farthest beyond a limit [degrees]."""
+    angles, ranges = np.degrees(table), ranges_deg(limit, table.shape[1])
+    beyond = np.maximum(angles - ranges[:, 1], ranges[:, 0] - angles)
+    step, joint = (int(i) for i in np.unravel_index(beyond.argmax(), beyond.shape))
+    return Farthest(joint, step, float(angles[step, joint]), *ranges[joint].tolist())
 
 
 def travels(table: NDArray[Any], closed: bool) -> NDArray[Any]:
@@ -46,12 +86,16 @@ def _angle_lines(problem: Problem, table: Floats) -> list[str]:
     declared = problem.body.joint_limit_deg
     if declared is None:
         return []
-    joint, reach = largest_angle(table)
+    low, high = np.degrees([table.min(), table.max()])
+    reach = f"{low:z.1f} to {high:z.1f}" if isinstance(declared, tuple) else f"{largest_angle(table)[1]:.1f}"
+    words = f"{limit_words(declared)} degrees"
     if problem.joint_limit_deg is None:
-        return [f"joint limit       {declared:g} degrees SWITCHED OFF by `joint_limits`; joints reach {reach:.1f}"]
-    if reach > declared * (1 + KEPT):
-        return [f"warning           joint_{joint + 1} reaches {reach:.1f} degrees, its limit is {declared:g}"]
-    return [f"joint limit       {declared:g} degrees; joints reach {reach:.1f}"]
+        return [f"joint limit       {words} SWITCHED OFF by `joint_limits`; joints reach {reach}"]
+    worst = farthest(table, declared)
+    if not worst.kept:
+        named = f"joint_{worst.joint + 1} reaches {worst.reach:.1f} degrees"
+        return [f"warning           {named}, its limit is {worst.limit}"]
+    return [f"joint limit       {words}; joints reach {reach}"]
 
 
 def _speed_lines(problem: Problem, table: Floats) -> list[str]:

@@ -6,7 +6,6 @@ Precedence: what `--set` assigns, then the file, then the defaults below.
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import reduce
@@ -14,6 +13,7 @@ from operator import or_
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
+import numpy as np
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from serpenoid.body import Body
@@ -25,6 +25,7 @@ from serpenoid.files.schema import Record
 from serpenoid.files.writing import short_hash
 from serpenoid.gaits import EllipseBounds, EllipseGait, Gait, GaitBounds, GaitFamily, families
 from serpenoid.gaits.lifted import Lift, LiftedGait, lifted
+from serpenoid.joint_range import Limit, ranges_deg
 from serpenoid.lifting import fault
 from serpenoid.media import DEFAULT
 from serpenoid.medium import Medium
@@ -190,6 +191,8 @@ class Problem(Record):
     @model_validator(mode="after")
     def _lift_fits(self) -> Self:
         said = None if self.lift is None else fault(self.lift, self.gait, self.model, self.task.bounds, self._goals)
+        if said is None and self.lift is not None and isinstance(self.joint_limit_deg, tuple):
+            said = "`joint_limit_deg` must be one number, which holds for yaw and pitch; a range says nothing of pitch"
         if said is not None:
             raise ValueError(f"[lift]: {said}")
         return self
@@ -204,9 +207,10 @@ class Problem(Record):
         wanted = 0.0 if task.constraints.straight else task.constraints.heading_change_rad
         others = [] if wanted is None else [("[task.constraints]", Ask("heading after 1 cycle(s)", wanted, wanted))]
         if self.joint_limit_deg is not None:
-            limit = math.radians(self.joint_limit_deg)
-            joints = {ask.quantity for d in task.demands if isinstance(d, Shape) for ask in d.asks(rows)}
-            others += [("[body] joint_limit_deg", Ask(joint, -limit, limit)) for joint in sorted(joints)]
+            ranges = np.deg2rad(ranges_deg(self.joint_limit_deg, self.body.joint_count)).tolist()
+            asked = [zip(d.asks(rows), ranges, strict=True) for d in task.demands if isinstance(d, Shape)]
+            joints = {ask.quantity: pair for each in asked for ask, pair in each}
+            others += [("[body] joint_limit_deg", Ask(joint, *joints[joint])) for joint in sorted(joints)]
         if not self.model.law.linear and any(isinstance(term, Efficiency) for term in task.objectives):
             raise ValueError(
                 f"[[task.objectives]] efficiency: is one of viscous drag; with {self.model.law.title} ask for transport"
@@ -217,7 +221,7 @@ class Problem(Record):
         return self
 
     @property
-    def joint_limit_deg(self) -> float | None:
+    def joint_limit_deg(self) -> Limit | None:
         """The body's joint limit, None where there is none or it is switched off."""
         return None if self.task.constraints.joint_limits is False else self.body.joint_limit_deg
 

@@ -11,7 +11,7 @@ import pytest
 from rehearsal import serpenoid_table, snake
 from serpenoid.diagnose.data.motion import Noise
 from serpenoid.diagnose.design.contest import Explanation, Plan, expected_chi2
-from serpenoid.diagnose.design.experiment import Laboratory, next_experiment, planned, playable
+from serpenoid.diagnose.design.experiment import Laboratory, next_experiment, planned, playable, table_of
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.medium import Fit
 from serpenoid.effects.active import ActiveEffect
@@ -86,6 +86,16 @@ def test_what_the_robot_cannot_do_is_not_proposed() -> None:
     assert not playable(BODY, table, 0.3)  # too fast
     assert not playable(BODY, 3 * table, 30.0)  # beyond the joints' limits
     assert not playable(BODY.model_copy(update={"joint_limit_deg": 180.0}), np.full((50, 10), 1.2), 30.0)  # a knot
+
+
+def test_joints_to_one_side_play_about_the_middle_of_their_range() -> None:
+    one_sided = BODY.model_copy(update={"joint_limit_deg": (-10.0, 60.0)})
+    low, high = np.deg2rad([-10, 60])
+    table = table_of(Model(one_sided, Medium(anisotropy_ratio=0.2)), np.array([1.0, 0.0, 0.0, 0.0, 4.0, 1.0]))
+    np.testing.assert_allclose(table.mean(axis=0), (low + high) / 2, atol=1e-6)  # written with six decimals
+    assert low < table.min()
+    assert table.max() < high
+    assert not playable(one_sided, table - np.deg2rad(25), 30.0)
 
 
 def test_the_proposed_trial_is_playable_and_better_than_random_ones() -> None:

@@ -87,6 +87,22 @@ def test_joint_lines_are_the_table_in_degrees_and_limits_lie_at_the_limits(ax, t
     assert max(ax.get_ylim()) > 60
 
 
+def test_ranges_of_joints_are_drawn_where_they_end_and_in_their_colours_where_they_differ(ax, table):
+    joints.joint_angles(table, ax, limit_deg=(-10, 60))
+    assert {line[0, 1] for line in drawn(ax) if len(line) == 2} == {0, -10, 60}
+    assert any("limit -10 to 60°" in text.get_text() for text in ax.texts)
+    ax.clear()
+    each = tuple((-10.0 - j, 60.0 + j) for j in range(10))
+    joints.joint_angles(table, ax, limit_deg=each)
+    ends = {y for pair in each for y in pair}
+    assert {line[0, 1] for line in drawn(ax) if len(line) == 2} == {0, *ends}
+    dashed = {line.get_ydata()[0]: line.get_color() for line in ax.lines if line.get_linestyle() == "--"}
+    assert all((dashed[low] == dashed[high]).all() for low, high in each)
+    low, high = ax.get_ylim()
+    assert low < min(ends)
+    assert max(ends) < high
+
+
 def test_joint_speed_of_a_sine_is_its_derivative_and_its_limit_is_drawn(ax, table):
     fine = 0.6 * np.sin(2 * np.pi * np.arange(1000) / 1000)[:, None]
     rpm = joints.speeds_rpm(fine, cycle_duration_s=2.0)

@@ -104,6 +104,40 @@ def test_no_verb_passes_a_gait_beyond_the_limit_of_its_body_unless_told_to(tmp_p
 
 
 @pytest.mark.parametrize(
+    ("limit", "said"),
+    [
+        ([0, 60], "angle -34.4 degrees; the body's limit is 0 to 60 degrees"),
+        ([[-40, 40]] * 9 + [[-40, 34.3]], "joint_10, step"),
+        ([[-40, 40]] * 9 + [[-34.37, 40]], "angle -34.4 degrees; the body's limit is -34.37 to 40 degrees"),
+        ([[0, 60], [-60, 0]], "`joint_limit_deg` needs 10 pairs"),
+        ([-40, 40], None),
+        ([[-40, 40]] * 9 + [[-36, 35]], None),
+    ],
+)
+def test_a_table_beyond_the_range_of_one_joint_is_not_exported(tmp_path, limit, said):
+    stated(tmp_path / "one", held=True)
+    file = tmp_path / "one" / "solution.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"body": {"joint_limit_deg": limit}}))
+    done = serpenoid("export", tmp_path / "one", "--format", "csv", "--out", tmp_path / "csv")
+    assert done.returncode == (0 if said is None else 1), done.stderr
+    assert said is None or said in done.stderr
+
+
+def test_summary_says_which_joint_bends_to_the_side_that_it_has_not(six, tmp_path):
+    words = ["simulate", tmp_path / "six.toml", "--force", "--out", tmp_path / "out", "--set", "gait.a=3"]
+    done = serpenoid(*words, "--set", "body.joint_limit_deg=[0, 60]")
+    assert re.search(r"warning           joint_\d reaches -\d+\.\d degrees, its limit is 0 to 60\n", done.stdout)
+    assert (tmp_path / "out" / "solution.json").is_file()
+    done = serpenoid(*words, "--no-figures", "--set", "body.joint_limit_deg=[-70, 60]")
+    assert re.search(r"joint limit       -70 to 60 degrees; joints reach -\d+\.\d to \d+\.\d\n", done.stdout)
+    each = "body.joint_limit_deg=[[-70, 70], [-70, 70], [-1, 60], [-70, 60], [-70, 60], [-70, 60]]"
+    done = serpenoid(*words, "--no-figures", "--set", each)
+    assert re.search(r"warning           joint_3 reaches -\d+\.\d degrees, its limit is -1 to 60\n", done.stdout)
+    done = serpenoid(*words, "--no-figures", "--set", each, "--set", "task.constraints.joint_limits=false")
+    assert "70, 70, -1 to 60, -70 to 60, -70 to 60 and -70 to 60 (by joint) degrees SWITCHED OFF" in done.stdout
+
+
+@pytest.mark.parametrize(
     "verb", [pytest.param("check", marks=pytest.mark.slow), "play", pytest.param("export", marks=pytest.mark.slow)]
 )
 def test_all_limits_are_told_at_once_and_a_cycle_that_keeps_them_all(tmp_path, verb):

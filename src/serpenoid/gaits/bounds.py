@@ -44,9 +44,9 @@ class GaitBounds(GaitNumbers):
 
 
 class AngleBounds(GaitBounds):
-    """Bounds of families whose parameters are joint angles, or coefficients of them."""
+    """Bounds of families whose parameters are joint angles, or numbers that these are made of linearly."""
 
-    angle: tuple[float, float] = Field(default=(-np.pi, np.pi), description="every joint angle, or coefficient [rad]")
+    angle: tuple[float, float] = Field(default=(-np.pi, np.pi), description="every joint angle, or control point [rad]")
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

@@ -134,6 +134,11 @@ class EllipseFamily(GaitFamily):
     def scaled(self, p: Floats, factor: float) -> Floats:
         return p * np.where(np.isin(NAMES, ("x_c", "y_c", "a")), factor, 1.0)
 
+    @property
+    def steady(self) -> Floats:
+        """The centre."""
+        return np.eye(self.size)[1:3]
+
     def gait(self, p: Floats) -> EllipseGait:
         return EllipseGait.from_parameters(p)
 

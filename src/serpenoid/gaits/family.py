@@ -130,6 +130,11 @@ class GaitFamily:
     def scaled(self, p: Floats, factor: float) -> Floats:
         """The gait p with all joint angles `factor` times as large."""
 
+    @property
+    def steady(self) -> Floats:
+        """Directions (k, n) in the parameters that add the same joint angles to every row, linearly; default none."""
+        return np.zeros((0, self.size))
+
     @abstractmethod
     def gait(self, p: Floats) -> Gait:
         """The gait with parameters p."""

@@ -178,6 +178,11 @@ class FourierFamily(GaitFamily):
     def scaled(self, p: Floats, factor: float) -> Floats:
         return np.concatenate([p[: self.modes], factor * p[self.modes :]])
 
+    @property
+    def steady(self) -> Floats:
+        """The mean of every w."""
+        return np.eye(self.size)[self.modes :: 1 + 2 * len(self._gait.orders)]
+
     def gait(self, p: Floats) -> FourierGait:
         w = p[self.modes :].reshape(2 * self.modes, -1)
         xi = tuple(float(x) for x in p[: self.modes])

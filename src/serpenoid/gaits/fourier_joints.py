@@ -18,7 +18,17 @@ class JointSeriesBounds(AngleBounds):
     """Where the optimiser may look."""
 
     family: Literal["fourier-joints"] = "fourier-joints"
+    angle: tuple[float, float] = Field(default=(-np.pi, np.pi), description="every coefficient [rad], to either side")
     mean: tuple[float, float] | None = Field(default=None, description="mean of every joint [rad]; default: as `angle`")
+
+    @model_validator(mode="after")
+    def _of_either_sign(self) -> Self:
+        if self.angle[0] != -self.angle[1]:
+            raise ValueError(
+                "`angle` bounds the coefficients of cosines and sines, not joint angles: [-x, x]; for joints that bend "
+                "to one side farther than to the other give [body] joint_limit_deg = [lower, upper] in degrees"
+            )
+        return self
 
     @model_validator(mode="after")
     def _ordered_mean(self) -> Self:
@@ -110,6 +120,11 @@ class JointSeriesFamily(AngleFamily):
 
     def scaled(self, p: Floats, factor: float) -> Floats:
         return p * factor
+
+    @property
+    def steady(self) -> Floats:
+        """The mean of every joint."""
+        return np.eye(self.size)[:: 1 + 2 * len(self.orders)]
 
     def gait(self, p: Floats) -> JointSeriesGait:
         rows = p.reshape(self.joints, -1).tolist()

@@ -116,6 +116,11 @@ class SplineFamily(AngleFamily):
     def scaled(self, p: Floats, factor: float) -> Floats:
         return p * factor
 
+    @property
+    def steady(self) -> Floats:
+        """All control points of a joint."""
+        return np.tile(np.eye(self.joints), self.points)
+
     def gait(self, p: Floats) -> SplineGait:
         rows = p.reshape(self.points, self.joints).tolist()
         return SplineGait(points=self.points, angles=tuple(tuple(row) for row in rows))

@@ -135,5 +135,10 @@ class TableFamily(AngleFamily):
     def scaled(self, p: Floats, factor: float) -> Floats:
         return p * factor
 
+    @property
+    def steady(self) -> Floats:
+        """All rows of a joint."""
+        return np.tile(np.eye(self.joints), self.rows)
+
     def gait(self, p: Floats) -> TableGait:
         return TableGait.from_angles(p.reshape(self.rows, self.joints))

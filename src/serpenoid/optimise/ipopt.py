@@ -124,14 +124,15 @@ class Ipopt:
     """A prepared solver for one NLP; bounds, start and parameters are given per solve.
 
     `kept` names the constraints that IPOPT sees (default all): rows that nothing limits would only cost time.
-    Points, bounds and residuals always have all constraints; a row left out has the multiplier zero.
+    Points, bounds and residuals always have all constraints; a row left out has the multiplier zero. poses: how many of
+    the variables, the first ones, are poses (0: a search may stand as long as it likes).
     """
 
-    def __init__(self, nlp: NLP, kept: np.ndarray | None = None, options: dict | None = None) -> None:
+    def __init__(self, nlp: NLP, kept: np.ndarray | None = None, options: dict | None = None, poses: int = 0) -> None:
         self.functions = nlp.functions()
         nx, np_, ng = nlp.variables.numel(), nlp.parameters.numel(), sum(nlp.constraint_counts)
         self._kept = np.arange(ng) if kept is None else kept
-        self._callback = IterationCallback((nx, self._kept.size, np_), self._observe)
+        self._callback = IterationCallback((nx, self._kept.size, np_), self._observe, poses)
         self._watcher: Callable[[float], None] | None = None
         x, p = nlp.variables, nlp.parameters
         seen = self._seen(nlp)
@@ -160,6 +161,7 @@ class Ipopt:
         else:
             solver, arguments = self._solver("cold"), {"x0": start}
         self._callback.flag, self._callback.error, self._watcher = flag, None, watch
+        self._callback.stood = 0
         begin = time.perf_counter()
         limits = {"lbg": bounds.lbg[self._kept], "ubg": bounds.ubg[self._kept]}
         result = solver(p=parameters, lbx=bounds.lbx, ubx=bounds.ubx, **limits, **arguments)
@@ -171,6 +173,8 @@ class Ipopt:
         lam_g[self._kept] = result["lam_g"].full()[:, 0]
         point = Point(result["x"].full()[:, 0], result["lam_x"].full()[:, 0], lam_g)
         status = OUTCOMES.get(stats["return_status"], Status.NOT_CONVERGED)
+        if status is Status.STOPPED and self._callback.given_up and not flag:
+            status = Status.NOT_CONVERGED
         residuals = self.residuals(point, parameters, bounds)
         evaluation = sum(value for key, value in stats.items() if key.startswith("t_wall_nlp"))
         timing = {"total": wall, "function_evaluation": evaluation, "linear_algebra_and_ipopt": wall - evaluation}

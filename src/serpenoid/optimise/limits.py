@@ -15,6 +15,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.effects.base import ActuationEffect
+from serpenoid.joint_range import ranges_deg
 from serpenoid.problem import Problem
 
 FIRST_ROWS = 10  # beside other numbers in results/benchmarks/approach.md (benchmarks/approach.py)
@@ -26,6 +27,7 @@ BINDING = -1e-4  # rad: as near to its limit as this, a row is held by it
 class PathLimits:
     """Bounds on a row's joint angles and their change to the next row, shape (2 m,); infinite where switched off."""
 
+    lower: Floats
     upper: Floats
 
     @property
@@ -33,13 +35,22 @@ class PathLimits:
         """Whether anything is limited."""
         return bool(np.isfinite(self.upper).any())
 
+    @property
+    def middle(self) -> Floats | None:
+        """The middle of each joint's range, shape (m,); None where every range is the same to either side."""
+        m = len(self.upper) // 2
+        if (self.lower == -self.upper).all():
+            return None
+        return (self.lower[:m] + self.upper[:m]) / 2
+
 
 def path_limits(problem: Problem) -> PathLimits:
     """The limits that hold; the change per step follows from speed limit and cycle duration, where both are known."""
     task, m = problem.task, problem.family_of().joints
     upper = np.full(2 * m, np.inf)
+    lower = -upper
     if problem.joint_limit_deg is not None:
-        upper[:m] = np.deg2rad(problem.joint_limit_deg)
+        lower[:m], upper[:m] = np.deg2rad(ranges_deg(problem.joint_limit_deg, m)).T
     if problem.joint_speed_limit_rpm is not None and task.cycle_duration_s is not None:
         speed = problem.joint_speed_limit_rpm * 2 * np.pi / 60
         upper[m:] = speed * task.cycle_duration_s / task.steps
@@ -48,7 +59,8 @@ def path_limits(problem: Problem) -> PathLimits:
             reach = active.effect.speed_limit(active.parameters) * problem.model.step_duration(task.steps)
             own = slice(m, None) if active.place is None else m + active.place - 1
             upper[own] = np.minimum(upper[own], reach)
-    return PathLimits(upper)
+    lower[m:] = -upper[m:]
+    return PathLimits(lower, upper)
 
 
 def violations(table: Floats, limits: PathLimits, closed: bool = True) -> Floats:
@@ -59,7 +71,8 @@ def violations(table: Floats, limits: PathLimits, closed: bool = True) -> Floats
     change = np.roll(table, -1, axis=-2) - table
     if not closed:
         change[..., -1, :] = 0.0
-    return np.abs(np.concatenate([table, change], -1)) - limits.upper
+    both = np.concatenate([table, change], -1)
+    return np.maximum(both - limits.upper, limits.lower - both)
 
 
 def even_rows(steps: int, count: int) -> list[int]:

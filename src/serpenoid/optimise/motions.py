@@ -57,8 +57,9 @@ class GaitMotions:
         """Lower and upper bounds of q: the problem's; joint limits too where the parameters are the angles."""
         lower, upper = self.family.limits
         if self.family.free:
-            limit = np.tile(self.limits.upper[: self.family.joints], self.family.rows)
-            lower, upper = np.maximum(lower, -limit), np.minimum(upper, limit)
+            m, rows = self.family.joints, self.family.rows
+            lower = np.maximum(lower, np.tile(self.limits.lower[:m], rows))
+            upper = np.minimum(upper, np.tile(self.limits.upper[:m], rows))
         return lower, upper
 
     def own_start(self) -> Floats:

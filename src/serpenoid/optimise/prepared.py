@@ -100,7 +100,7 @@ class PreparedNLPs(GaitMotions):
             options = self._options | (BESIDE_OBSTACLES if watch.points else {})
             while len(self._prepared) >= MOST_PREPARED:
                 del self._prepared[next(iter(self._prepared))]
-            self._prepared[key] = nlp, Ipopt(nlp, kept, options)
+            self._prepared[key] = nlp, Ipopt(nlp, kept, options, self.family.pose_size * self.steps)
         return self._prepared[key]
 
     def parameters(self, c: float, rows: tuple[int, ...]) -> Floats:
@@ -119,9 +119,10 @@ class PreparedNLPs(GaitMotions):
         if turn is not None:
             last = self.family.pose_size * (self.steps - 1) + 2  # the heading of the last pose
             lbx[last] = ubx[last] = turn
-        path, zero = np.tile(self.limits.upper, len(carried.rows)), np.zeros(own)
+        low, high = (np.tile(ends, len(carried.rows)) for ends in (self.limits.lower, self.limits.upper))
+        zero = np.zeros(own)
         least, most = self.asked.bounds
         gaps = np.full(carried.watch.count(*size), -np.inf)
         gaps[carried.watch.kept(*size)] = carried.margin
         least, most = np.append(least, gaps), np.append(most, np.full(gaps.size, np.inf))
-        return Bounds(lbx, ubx, np.concatenate([zero, -path, least]), np.concatenate([zero, path, most]))
+        return Bounds(lbx, ubx, np.concatenate([zero, low, least]), np.concatenate([zero, high, most]))

@@ -68,8 +68,10 @@ class RobustSolver(GaitSolver):
         self.each: list[GaitSolver] = []
         for case in cases_of(problem):
             self._add(case)
-        uppers = [path_limits(case.problem).upper for case in self.cases]
-        self.limits = PathLimits(np.min(uppers, axis=0))
+        each = [path_limits(case.problem) for case in self.cases]
+        self.limits = PathLimits(
+            np.max([own.lower for own in each], axis=0), np.min([own.upper for own in each], axis=0)
+        )
 
     def _add(self, case: Case) -> None:
         self.cases.append(case)
@@ -152,12 +154,13 @@ class RobustSolver(GaitSolver):
         nlp, _ = self.prepared(carried)
         own, turn = np.full(sum(nlp.own) + (self.over == "worst"), np.inf), self.heading_target()
         lbx, ubx = np.concatenate([-own, lower]), np.concatenate([own, upper])
-        path, (least, most) = np.tile(self.limits.upper, len(carried.rows)), self.asked.bounds
+        below, above = (np.tile(ends, len(carried.rows)) for ends in (self.limits.lower, self.limits.upper))
+        least, most = self.asked.bounds
         low: list[Floats] = []
         high: list[Floats] = []
         for part, begin in zip(nlp.cases, np.cumsum([0, *nlp.own]), strict=False):
             zero = np.zeros(part.constraint_counts[0])
-            low, high = [*low, zero, -path, least], [*high, zero, path, most]
+            low, high = [*low, zero, below, least], [*high, zero, above, most]
             if turn is not None:
                 last = begin + self.family.pose_size * (self.steps - 1) + 2  # the heading of the last pose
                 lbx[last] = ubx[last] = turn

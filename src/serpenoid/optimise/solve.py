@@ -17,7 +17,7 @@ from serpenoid.optimise.nearest import with_nearest
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import GaitSolver
-from serpenoid.optimise.starts import random_gaits, within
+from serpenoid.optimise.starts import inside, random_gaits, within
 from serpenoid.optimise.weights import check_weights
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
@@ -62,8 +62,8 @@ def _check_weights(problem: Problem, customise: Customise | None = None) -> None
 def starts_of(solver: GaitSolver, starts: int, seed: int) -> Floats:
     """The problem's own gait, if it moves, then random ones, shape (starts, n)."""
     gaits = random_gaits(solver, starts, seed)
-    if solver.family.moves(own := solver.own_start()):
-        gaits[0] = own
+    if solver.family.moves(own := solver.own_start()) and (own_inside := inside(solver, own)) is not None:
+        gaits[0] = own_inside
     return gaits
 
 

@@ -12,6 +12,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.ticker import MaxNLocator
 
 from serpenoid.body import Floats
+from serpenoid.joint_range import Limit, limit_words, of_each, ranges_deg
 from serpenoid.plot.style import ANGLE_MAP, CHAIN_MAP, GREY, RED, SMALL, colour_bar, dress
 
 X_LABEL, ONCE = "phase [cycles]", "time [share of the motion]"
@@ -25,14 +26,20 @@ def joint_colours(count: int) -> Floats:
 
 
 def joint_angles(
-    table: Floats, ax: Axes, limit_deg: float | None = None, title: str = "Joint angles", closed: bool = True
+    table: Floats, ax: Axes, limit_deg: Limit | None = None, title: str = "Joint angles", closed: bool = True
 ) -> Axes:
-    """A line per joint, (T, m) [rad], closed at phase 1 (a transient ends there with its last row); limits dashed."""
+    """A line per joint, (T, m) [rad], closed at phase 1 (a transient ends there with its last row); limits dashed.
+
+    A limit that is another for each joint has the joint's colour.
+    """
     angles = np.rad2deg(np.concatenate([table, table[:1]]) if closed else table)
     phase = np.arange(len(angles)) / (len(angles) - 1)
     for j, colour in enumerate(joint_colours(table.shape[1])):
         ax.plot(phase, angles[:, j], color=colour, linewidth=1.6)
-    _limits(ax, limit_deg, f"limit {limit_deg:g}°" if limit_deg else "", float(np.abs(angles).max()))
+    if isinstance(limit_deg, tuple):
+        _ranges(ax, limit_deg, angles)
+    else:
+        _limits(ax, limit_deg, f"limit {limit_deg:g}°" if limit_deg else "", float(np.abs(angles).max()))
     ax.set_xlim(0, 1)
     return dress(ax, title, X_LABEL if closed else ONCE, "joint angle [deg]")
 
@@ -88,6 +95,23 @@ def joint_bar(ax: Axes | list[Axes], count: int) -> None:
 def _far(times: float) -> str:
     """How far above what is reached a limit is; of a body that hardly moves the number says nothing."""
     return f"{times:.2g} times" if times < 99.5 else "far above"
+
+
+def _ranges(ax: Axes, limit_deg: Limit, angles: Floats) -> None:
+    """Dashed lines at the ends of ranges that are not the same to either side, around which the picture is cut."""
+    count = angles.shape[1]
+    ranges, each = ranges_deg(limit_deg, count), of_each(limit_deg) is not None
+    ax.axhline(0, color=GREY, linewidth=0.8)
+    for joint, ends in enumerate(ranges if each else ranges[:1]):
+        for end in ends:
+            ax.axhline(end, color=joint_colours(count)[joint] if each else RED, linewidth=1.3, linestyle="--")
+    low, high = min(ranges.min(), angles.min()), max(ranges.max(), angles.max())
+    name = "limit of each joint in its colour" if each else f"limit {limit_words(limit_deg)}°"
+    ax.annotate(
+        name, (0.99, ranges.max()), xycoords=ax.get_yaxis_transform(), xytext=(0, 2), textcoords="offset points",
+        ha="right", va="bottom", color=RED, fontsize=SMALL, bbox={"facecolor": "white", "linewidth": 0, "pad": 0.5},
+    )  # fmt: skip
+    ax.set_ylim(low - 0.06 * (high - low), high + 0.12 * (high - low))
 
 
 def _limits(ax: Axes, limit: float | None, name: str, reach: float) -> None:

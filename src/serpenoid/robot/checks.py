@@ -11,7 +11,8 @@ from math import ceil, degrees, tau
 import numpy as np
 from numpy.typing import NDArray
 
-from serpenoid.joint_limits import KEPT, largest_angle, turns_per_cycle
+from serpenoid.joint_limits import KEPT, farthest, turns_per_cycle
+from serpenoid.joint_range import Limit, misfit
 from serpenoid.robot.description import Robot
 from serpenoid.robot.plan import read_time_s, row_speeds_rpm, write_time_s
 from serpenoid.robot.stated import Stated
@@ -70,15 +71,7 @@ def check_given(angles: NDArray[np.float64], robot: Robot) -> list[Refusal]:
 
 def check_body(angles: NDArray[np.float64], stated: Stated, cycle_duration_s: float | None) -> list[Refusal]:
     """What the body of the results allows its joints: table `angles` [rad], in a cycle of that duration if known."""
-    refusals = []
-    joint, reach = largest_angle(angles)
-    limit = stated.joint_limit_deg
-    remedy = "Solve with this limit, or say --no-joint-limits: the robot file's limits then hold alone."
-    if limit is not None and reach > limit * (1 + KEPT):
-        where = f"joint_{joint + 1}, step {int(np.abs(angles[:, joint]).argmax())}"
-        refusals.append(
-            Refusal(where, f"angle {_beyond(reach, limit)} degrees", f"the body's limit is {limit:g} degrees", remedy)
-        )
+    refusals = [] if stated.joint_limit_deg is None else _check_body_angles(angles, stated.joint_limit_deg)
     joint, turns = turns_per_cycle(angles, closed=not stated.transient)
     limit = stated.joint_speed_limit_rpm
     if limit is None or cycle_duration_s is None or turns * 60 / cycle_duration_s <= limit * (1 + KEPT):
@@ -88,9 +81,22 @@ def check_body(angles: NDArray[np.float64], stated: Stated, cycle_duration_s: fl
     return [*refusals, Refusal(f"joint_{joint + 1}", value, limit_words, "say --no-joint-limits", shortest)]
 
 
+def _check_body_angles(angles: NDArray[np.float64], limit: Limit) -> list[Refusal]:
+    if (said := misfit(limit, angles.shape[1])) is not None:
+        return [Refusal("all joints, all steps", "the table and the body's limits do not fit", said, "Solve again.")]
+    worst = farthest(angles, limit)
+    if worst.kept:
+        return []
+    where, value = f"joint_{worst.joint + 1}, step {worst.step}", worst.reach
+    shown = _beyond(value, worst.upper if value > worst.upper else worst.lower)
+    remedy = "Solve with this limit, or say --no-joint-limits: the robot file's limits then hold alone."
+    return [Refusal(where, f"angle {shown} degrees", f"the body's limit is {worst.limit} degrees", remedy)]
+
+
 def _beyond(value: float, limit: float) -> str:
-    """In words that show it to be beyond the limit: never two equal numbers."""
-    return f"{value:.1f}" if round(value, 1) > limit else f"{value:.7g}"
+    """In words that show on which side of the limit it is: never two equal numbers."""
+    short = round(value, 1)
+    return f"{value:.1f}" if short != limit and (short > limit) == (value > limit) else f"{value:.7g}"
 
 
 def check_repetition(angles: NDArray[np.float64], stated: Stated, cycles: int) -> list[Refusal]:

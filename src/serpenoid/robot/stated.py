@@ -13,11 +13,11 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import read_json
+from serpenoid.joint_range import JointLimit, Limit, limit_words
 from serpenoid.wording import counted
 
 LONGEST_CYCLE_S = 600.0
 RECORDS = "solution.json", "play.json"
-Angle = Annotated[float, Field(gt=0, le=180)]
 Speed = Annotated[float, Field(gt=0)]
 
 
@@ -28,7 +28,7 @@ class _Part(BaseModel):
 
 
 class _Body(_Part):
-    joint_limit_deg: Angle | None = None
+    joint_limit_deg: JointLimit | None = None
     joint_speed_limit_rpm: Speed | None = None
 
 
@@ -61,7 +61,7 @@ class Stated(_Part):
         return doubts
 
     @property
-    def joint_limit_deg(self) -> float | None:
+    def joint_limit_deg(self) -> Limit | None:
         """None where there is none or the problem file switched it off."""
         return self.body.joint_limit_deg if self.limits_held.joint_limits else None
 
@@ -74,7 +74,7 @@ class Stated(_Part):
     def switched_off(self) -> list[str]:
         """The declared limits that the problem file switched off, as a reader names them."""
         angle, speed = self.body.joint_limit_deg, self.body.joint_speed_limit_rpm
-        off = [] if angle is None or self.limits_held.joint_limits else [f"joint limit of {angle:g} degrees"]
+        off = [] if angle is None or self.limits_held.joint_limits else [f"joint limit of {limit_words(angle)} degrees"]
         return off + ([] if speed is None or self.limits_held.joint_speed_limits else [f"speed limit of {speed:g} rpm"])
 
 

@@ -16,6 +16,7 @@ from typing import get_args
 from serpenoid.body import ANIMALS, Body, Kind
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
+from serpenoid.joint_range import LARGEST
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, number, numbers, one_of, or_empty, whole
 
@@ -25,6 +26,21 @@ POINTS = 21  # along an animal: drag in the middles of its edges leaves out 1/40
 PIECES = 4  # a link: drag in their middles leaves out 1/16 of what resists its own turning
 LENGTH, DURATION = "0.6", "5"  # of a robot, where nothing is said
 UNKNOWN = dict.fromkeys(ANIMALS, "")
+
+
+def joint_limit(text: str) -> float | tuple[float, float]:
+    """Degrees to either side, or from and to."""
+    if "," not in text:
+        return number(0, LARGEST)(text)
+    try:
+        low, high = map(float, text.split(","))
+    except ValueError:
+        raise ValueError("needs a number, or two with a comma between") from None
+    if not -LARGEST <= low < high <= LARGEST:
+        raise ValueError(f"needs two numbers from -{LARGEST:g} to {LARGEST:g}, the lower one first")
+    return low, high
+
+
 QUESTIONS = (
     Question("kind", f"What is it: {', '.join(KINDS)} (empty: not said)?", "", one_of("", *KINDS)),
     Question(
@@ -49,7 +65,13 @@ QUESTIONS = (
         of_robots=True,
     ),
     Question("mass", "Mass in kilograms", "0.9", number(0, 1e4), of_robots=True),
-    Question("joint-limit", "How far may a joint bend, in degrees?", "60", number(0, 180), of_robots=True),
+    Question(
+        "joint-limit",
+        "How far may a joint bend, in degrees (to one side farther: lower,upper)?",
+        "60",
+        joint_limit,
+        of_robots=True,
+    ),
     Question("cycle-duration", "Seconds per cycle", DURATION, or_empty(number(0, 600)), animals=UNKNOWN),
     Question(
         "dissipation",
@@ -66,6 +88,11 @@ QUESTIONS = (
         animals={"swimmer": "0.5"},
     ),
 )
+
+
+def written(limit: float | tuple[float, float]) -> str:
+    """A joint limit as a problem file gives it."""
+    return _listed(limit) if isinstance(limit, tuple) else f"{limit:g}"
 
 
 def edges_of(answers: Answers) -> list[float]:
@@ -141,9 +168,11 @@ def _limits(answers: Answers) -> str:
         known = (
             "# joint_limit_deg = 30         # how far the body bends at one vertex, if that is known; holds in solve"
         )
-        return "\n".join([*lines, known if limit is None else f"joint_limit_deg = {limit:g}         # holds in solve"])
+        return "\n".join(
+            [*lines, known if limit is None else f"joint_limit_deg = {written(limit)}         # holds in solve"]
+        )
     return f"""mass_kg = {answers["mass"]:g}
-joint_limit_deg = {answers["joint-limit"]:g}         # holds in solve, check, export and play
+joint_limit_deg = {written(answers["joint-limit"])}         # holds in solve, check, export and play
 joint_speed_limit_rpm = 57.0  # of the servos: XL430-W250-T at 11.1 V"""
 
 

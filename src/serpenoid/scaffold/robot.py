@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
+from serpenoid.joint_range import limit_words
 from serpenoid.robot.models import DEFAULT, ServoModel, models
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, one_of, whole
@@ -116,7 +117,7 @@ def _limits(answers: Answers, problem: Problem | None) -> str:
     own = (
         ""
         if body is None
-        else f"\n# The body in {answers['problem'].name} bends by {body:g} degrees: `play` holds that, too."
+        else f"\n# The body in {answers['problem'].name} bends by {limit_words(body)} degrees: `play` holds that, too."
     )
     return f"""{said}, as this file was asked for or by default.
 # They are of the mechanics: try by hand where the first parts touch, and put your own numbers below.{own}

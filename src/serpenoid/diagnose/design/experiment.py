@@ -21,6 +21,7 @@ from serpenoid.diagnose.design.contest import Explanation, Plan, Unplayable, exp
 from serpenoid.diagnose.inference.groups import band
 from serpenoid.diagnose.inference.medium import Fit
 from serpenoid.gaits import EllipseGait
+from serpenoid.joint_range import ranges_deg
 from serpenoid.measure.schedule import Schedule
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.model import Model
@@ -135,15 +136,23 @@ def planned(laboratory: Laboratory, x: Floats) -> Plan | None:
 
 
 def table_of(model: Model, gait: Floats) -> Floats:
-    """Joint table (T, m) of ellipse parameters (6,)."""
-    return np.round(joint_table(model, EllipseGait.from_parameters(gait).parameters, ROWS), 6)
+    """Joint table (T, m) of ellipse parameters (6,); about the middles of the joints' ranges."""
+    middles = np.mean(_ranges(model.body), axis=0)
+    return np.round(joint_table(model, EllipseGait.from_parameters(gait).parameters, ROWS) + middles, 6)
+
+
+def _ranges(body: Body) -> tuple[Floats, Floats]:
+    """Smallest and largest angle of every joint [rad]."""
+    limit = LIMIT_DEG if body.joint_limit_deg is None else body.joint_limit_deg
+    low, high = np.deg2rad(ranges_deg(limit, body.joint_count)).T
+    return low, high
 
 
 def playable(body: Body, table: Floats, duration: float) -> bool:
     """Whether a table (T, m) keeps joint and speed limits, and the body does not cross itself."""
-    limit = np.deg2rad(body.joint_limit_deg or LIMIT_DEG)
+    low, high = _ranges(body)
     speed_limit = SHARE * (body.joint_speed_limit_rpm or SPEED_LIMIT_RPM) * 2 * np.pi / 60
     fastest = np.abs(np.diff(table, axis=0, append=table[:1])).max() * len(table) / duration
-    if np.abs(table).max() > limit or fastest > speed_limit:
+    if (table < low).any() or (table > high).any() or fastest > speed_limit:
         return False
     return not crosses_itself(shapes(body, table)).any()
