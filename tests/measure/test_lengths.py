@@ -202,6 +202,7 @@ def films(scales: list[float], noise: float, beside: float = 0.001) -> Films:
 def test_films_of_another_scale_than_others_are_told_one_by_one(noise):
     said = films([1.0, 1.03, 1.0, 1.03], noise, beside=0.0).said
     assert list(said) == ["t1", "t3"]
+    assert all(map(of_cameras, said.values()))
     shown = [float(re.findall(r"all links are ([0-9.]+) % longer in this film", words)[0]) for words in said.values()]
     assert shown == pytest.approx([3.0, 3.0], abs=0.5)  # three standard errors of seven medians over 400 noisy frames
 
@@ -212,6 +213,7 @@ def test_films_of_one_scale_are_told_together_or_not_at_all(noise):
     said = films([1.03] * 4, noise, beside=0.0).said
     assert len(said) == 4
     assert all("in the film than `edge_lengths`" in words for words in said.values())
+    assert not any(map(of_cameras, said.values()))
 
 
 def test_scales_that_change_within_films_as_much_are_the_cameras():
