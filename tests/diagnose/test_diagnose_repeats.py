@@ -20,10 +20,11 @@ from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.repeats import chance_from, none_alike, pairs, repeats
 from serpenoid.diagnose.data.shared import repeatable
 from serpenoid.diagnose.data.untold import untold
-from serpenoid.diagnose.data.used import CHANCE, remarks
+from serpenoid.diagnose.data.used import CHANCE, about_cameras, remarks
 from serpenoid.diagnose.diagnose import diagnose
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline
+from serpenoid.measure.consistency.films import SHOW
 
 PHASES, NOISE, SHARED = 8, 1e-3, 4e-3
 
@@ -57,6 +58,12 @@ def test_trials_tell_chance_before_cycles_do_and_what_is_poor_is_remarked() -> N
     (found,) = repeats(again)
     assert (found.one, found.other, len(found.here), chance_from(again)) == (0, 2, 20, "trials")
     assert remarks(again) == ("a, b: seen",)
+    stretched = f"{SHOW} links longer"
+    for one in again:
+        one.recording.remarks = ("seen", stretched)
+    assert (remarks(again), about_cameras(again)) == (("a, b: seen",), (stretched,))
+    again[1].recording.remarks = ("seen",)
+    assert (remarks(again), about_cameras(again)) == (("a, b: seen",), (f"a: {stretched}",))
     assert chance_from([track("a", 3, noise=1.0)]) == "points"  # an animal's windows bring their own
 
 

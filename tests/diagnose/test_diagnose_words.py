@@ -31,7 +31,7 @@ from serpenoid.diagnose.report.sentences import (
     unreliable,
     within_chance,
 )
-from serpenoid.diagnose.report.summary import lines
+from serpenoid.diagnose.report.summary import _ideas, lines
 from serpenoid.diagnose.report.words import (
     few,
     foremost,
@@ -525,3 +525,8 @@ def test_what_is_held_out_is_said_as_it_is(held_out: str, said: str) -> None:
     assert in_sample(record) == (held_out == "nothing")
     assert unseen({"drag_ratio": None}) == "gaits"  # of an older answer
     assert unseen({"drag_ratio": (8.0, 7.9, 8.1)}) == "parts"
+
+
+def test_ideas_are_lines_of_their_own_and_brackets_are_not_cut() -> None:
+    aside = "(what `vertices` says; a link (the last; or first) left out. Or joints)"
+    assert _ideas(f"one {aside}; two. Three?") == [f"one {aside};", "two.", "Three?"]

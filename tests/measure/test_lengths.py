@@ -13,7 +13,7 @@ from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
 from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.errors import InputError
-from serpenoid.measure.consistency.films import Films
+from serpenoid.measure.consistency.films import Films, of_cameras
 from serpenoid.measure.consistency.lengths import Shown, all_longer, one_longer, wrong_edge
 from serpenoid.measure.lengths import shown_lengths, steady_lengths
 from serpenoid.measure.load import load_campaign
@@ -202,6 +202,7 @@ def films(scales: list[float], noise: float, beside: float = 0.001) -> Films:
 def test_films_of_another_scale_than_others_are_told_one_by_one(noise):
     said = films([1.0, 1.03, 1.0, 1.03], noise, beside=0.0).said
     assert list(said) == ["t1", "t3"]
+    assert all(map(of_cameras, said.values()))
     shown = [float(re.findall(r"all links are ([0-9.]+) % longer in this film", words)[0]) for words in said.values()]
     assert shown == pytest.approx([3.0, 3.0], abs=0.5)  # three standard errors of seven medians over 400 noisy frames
 
@@ -212,6 +213,7 @@ def test_films_of_one_scale_are_told_together_or_not_at_all(noise):
     said = films([1.03] * 4, noise, beside=0.0).said
     assert len(said) == 4
     assert all("in the film than `edge_lengths`" in words for words in said.values())
+    assert not any(map(of_cameras, said.values()))
 
 
 def test_scales_that_change_within_films_as_much_are_the_cameras():
@@ -235,3 +237,43 @@ def test_films_that_differ_by_which_way_links_point_are_a_stretched_cameras(nois
     for words in said.values():
         assert "another along x than along y" in words
         assert float(re.findall(r"up to ([0-9.]+) % longer", words)[0]) == pytest.approx(2.0, abs=0.3)
+
+
+def stretched(share: float, noise: float, links: int, seed: int = 3) -> Films:
+    """Four films that differ in noise alone, of the first links."""
+    rng, edges = np.random.default_rng(seed), EDGES[:links]
+    every = [film(np.random.default_rng(seed), 1.0, 0.0)[:, : links + 1] * [1 + share, 1.0] for _ in range(4)]
+    points = tuple(one + rng.normal(scale=noise, size=one.shape) for one in every)
+    names = [f"p{k}" for k in range(links + 1)]
+    return Films(tuple(f"t{k}" for k in range(len(points))), (Shown.of(points, edges), edges, names, True), points)
+
+
+@pytest.mark.parametrize("links", [3, len(EDGES)])
+def test_a_stretched_camera_is_told_by_links_that_turn_within_films_which_differ_in_nothing(links):
+    """Before, only films that differed in scale were asked for directions."""
+    said = stretched(0.022, 0.0002, links).said
+    assert len(said) == 4
+    for words in said.values():
+        assert of_cameras(words)
+        assert "differ by which way" not in words
+        share = float(re.findall(r"up to ([0-9.]+) % longer along one direction", words)[0])
+        assert share == pytest.approx(2.2, abs=0.15)  # two digits are told, and lengths are in logarithms
+
+
+@pytest.mark.parametrize("noise", [0.0001, 0.0005, 0.002])
+@pytest.mark.parametrize("links", [3, len(EDGES)])
+def test_a_camera_that_is_not_stretched_is_told_of_no_direction(links, noise):
+    for seed in range(6):
+        assert stretched(0.0, noise, links, seed).said == {}
+
+
+def test_a_marker_beside_its_place_is_no_stretched_camera():
+    """Lengths of its two links go with how the joint is bent, and so with where they point, but not alike."""
+    made = stretched(0.0, 0.0002, len(EDGES))
+    points = [one.copy() for one in made.points]
+    for one in points:
+        ahead = np.diff(one, axis=1)[:, 3]
+        one[:, 3] += 0.01 * np.stack([-ahead[:, 1], ahead[:, 0]], axis=1) / np.linalg.norm(ahead, axis=1)[:, None]
+    shown = (Shown.of(points, EDGES), *made.shown[1:])
+    said = replace(made, points=tuple(points), shown=shown).said
+    assert not any("direction" in words for words in said.values())

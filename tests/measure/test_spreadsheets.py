@@ -134,3 +134,14 @@ def test_units_in_the_names_of_columns_are_those_that_are_read(tmp_path: Path):
     assert read_servo_log(log, ServoKeys(columns=position, angle_unit="deg")).position[0, 0] == np.deg2rad(1)
     with pytest.raises(InputError, match=r"`position_1 \(deg\)` says deg, and is read in rad"):
         read_servo_log(log, ServoKeys(columns=position))
+
+
+def test_a_unit_behind_a_tidy_files_own_names_is_held_against_the_campaigns(tmp_path):
+    film = tmp_path / "m.csv"
+    film.write_text("t_s,x_0 [mm],y_0 [mm]\n0,1,2\n0.02,1,2\n")
+    assert read_tidy(film, "mm").floor[0, 0].tolist() == pytest.approx([1e-3, 2e-3])
+    with pytest.raises(InputError, match=r"`x_0 \[mm\]` says mm, and is read in m"):
+        read_tidy(film, "m")
+    film.write_text("t_s,x_0 [in],y_0 [in]\n0,1,2\n0.02,1,2\n")
+    with pytest.raises(InputError, match="a tidy file has `x_0` here"):
+        read_tidy(film, "mm")

@@ -20,6 +20,7 @@ PAIRS = (("Exp", "Sim"), ("Exp", "Resim"), ("Sim", "Resim"))
 
 
 AT_REST = 2.0  # times the RMS that noise makes of a displacement: of a body at rest one in fifty goes farther
+TINY = 1e-12  # body lengths: far less than any marker's noise
 NOTHING = "no trial has a motion file with a whole cycle in it: nothing to compare"
 TOLD = 2e-3  # of the displacement: less than the tape measure that gave the lengths
 
@@ -73,12 +74,17 @@ def _seconds(campaign: Campaign, comparisons: list[Comparison]) -> list[str]:
 
 
 def moving(comparisons: list[Comparison]) -> tuple[list[Comparison], list[str]]:
-    """The passages of gaits that moved the body farther than noise shows of one at rest; words on the others."""
-    sums: dict[str, list[tuple[float, float]]] = {}
+    """The passages of gaits that moved the body farther than noise shows of one at rest; words on the others.
+
+    At rest the mean of (displacement / sd)^2 is 1 whatever the passages' sd, so one whose ends are seen poorly hides no
+    others.
+    """
+    each: dict[str, list[tuple[float, float]]] = {}
     for c in comparisons:
-        sums.setdefault(c.gait, []).append((c.exp.displacement, c.exp_sd))
-    rms = {gait: np.sqrt(np.mean(np.square(values), axis=0)) for gait, values in sums.items()}
-    still = {gait: far for gait, (far, sd) in rms.items() if far <= AT_REST * sd}
+        each.setdefault(c.gait, []).append((c.exp.displacement, c.exp_sd))
+    far, sd = ({gait: np.array(values)[:, k] for gait, values in each.items()} for k in (0, 1))
+    over = {gait: np.sqrt(np.mean((far[gait] / np.maximum(sd[gait], TINY)) ** 2)) for gait in each}
+    still = {gait: float(np.sqrt(np.mean(far[gait] ** 2))) for gait in each if over[gait] <= AT_REST}
     if not still:
         return comparisons, []
     words = (

@@ -17,7 +17,7 @@ from serpenoid.diagnose.data.recording import Recording, held_out_by
 from serpenoid.diagnose.data.relaid import bent_by
 from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.tracked import TrackedRecording
-from serpenoid.diagnose.data.used import length_unit, parameter_unit, remarks, used
+from serpenoid.diagnose.data.used import about_cameras, length_unit, parameter_unit, remarks, used
 from serpenoid.diagnose.data.windows import Prediction
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.finding import Divided, Named, Rival, Stage
@@ -333,6 +333,8 @@ def record(d: Diagnosis) -> dict[str, Any]:
     usage, length = used(found.motion.tracks), length_unit(found.motion.tracks)
     law, taken, rivals = found.best.model.medium.law, d.motion.stage.law_taken, d.motion.stage.laws
     open_m = left_open(found.motion, d.extension)
+    cameras = about_cameras(found.motion.tracks)
+    known = bool(np.any(d.seen.axes))  # and taken off: nothing is left so
     return {
         "verdict": d.verdict,
         "length_unit": length,
@@ -370,10 +372,10 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "skipped": {stage.name: stage.skipped for stage in d.stages if stage.skipped},
         "untestable": {name: why for stage in d.stages for name, why in stage.untestable.items()},
         "residual_pattern": list(d.words),
-        "mend_first": [*(stage.mend for stage in d.stages if stage.mend), *_other_cycles(d)],
+        "mend_first": [*(s.mend for s in d.stages if s.mend), *_other_cycles(d), *(() if known else cameras)],
         "used_s": usage.used_s,
         "dropped_s": usage.dropped_s,
-        "remarks": [*d.baseline.remarks, *remarks(found.motion.tracks)],
+        "remarks": [*d.baseline.remarks, *remarks(found.motion.tracks), *(cameras if known else ())],
         "ladder": [step.record() for step in d.ladder],
         "residual_maps": residual_maps(found.motion, found.null.predictions, found.best.predictions),
         "next_experiment": None,

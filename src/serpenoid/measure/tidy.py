@@ -8,7 +8,16 @@ from pathlib import Path
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import block, increasing_times, place, read_rows, whole_points
-from serpenoid.measure.columns import SECONDS, MotionColumns, find_column, numbered, refuse_other_unit, shown
+from serpenoid.measure.columns import (
+    IN_BRACKETS,
+    SECONDS,
+    SPELT,
+    MotionColumns,
+    find_column,
+    numbered,
+    refuse_other_unit,
+    shown,
+)
 from serpenoid.measure.tracks import METRES, Tracks, in_places, no_time, upright
 
 OWN_NAMES = (
@@ -63,7 +72,7 @@ def _tidy_places(header: list[str], path: Path) -> list[int]:
     count = (len(header) - 1) // 2
     expected = ["frame" if header[0] == "frame" else "t_s"] + [f"{axis}_{k}" for k in range(count) for axis in "xy"]
     for column, (got, want) in enumerate(zip(header, expected, strict=False)):
-        if got != want:
+        if _without_unit(got) != want:
             raise InputError(f"{place(path, 0, column)}: a tidy file has `{want}` here, got {got!r}. {_own(header)}")
     if count < 1 or len(header) != len(expected):
         raise InputError(
@@ -71,6 +80,13 @@ def _tidy_places(header: list[str], path: Path) -> list[int]:
             'beside: `columns = { time = "t_s", x = "x_*", y = "y_*" }` in [motion] names those that are read.'
         )
     return list(range(len(header)))
+
+
+def _without_unit(name: str) -> str:
+    """`x_0` of `x_0 [mm]`: what can be held against the campaign's own unit."""
+    found = IN_BRACKETS.search(name)
+    known = found is not None and found[1].translate(SPELT) in {*METRES, *SECONDS}
+    return IN_BRACKETS.sub("", name).strip() if known else name
 
 
 def _own(header: list[str]) -> str:

@@ -128,6 +128,13 @@ def _rows(label: str, texts: Iterable[str]) -> list[str]:
 
 def _short(text: str) -> list[str]:
     """In one line, else one for each idea, else with lines that go on further in."""
-    ideas = [text] if len(text) <= WIDTH - LABEL else [idea.rstrip(";.") for idea in IDEA.split(text)]
+    ideas = [text] if len(text) <= WIDTH - LABEL else [idea.rstrip(";.") for idea in _ideas(text)]
     wrapped = (textwrap.wrap(i, WIDTH - LABEL, subsequent_indent="  ", break_on_hyphens=False) for i in ideas)
     return [line for lines in wrapped for line in lines]
+
+
+def _ideas(text: str) -> list[str]:
+    """Cut where ideas end, outside of brackets."""
+    ends = [m for m in IDEA.finditer(text) if text.count("(", 0, m.start()) <= text.count(")", 0, m.start())]
+    begins, stops = [0, *(m.end() for m in ends)], [*(m.start() for m in ends), len(text)]
+    return [text[begin:stop] for begin, stop in zip(begins, stops, strict=True)]

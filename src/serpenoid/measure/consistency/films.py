@@ -2,8 +2,14 @@
 
     r_ie = log(shown / said) of edge e in film i = scale_i + edge_e + rest_ie
 
-Scales differ where F = var(scale) / var(rest) is no chance, and they are `APART`. What links of another direction on
-the floor are longer by within films, a cos 2 phi + b sin 2 phi, may be what films differ by: a camera is stretched.
+Scales differ where F = var(scale) / var(rest) is no chance, and they are `APART`. What links of another direction phi
+on the floor are longer by within films tells a stretched camera, and may be what films differ by:
+
+    log(shown) of edge e in film i, about its mean there = c_e . x + rest,    x = (cos 2 phi, sin 2 phi), about its mean
+    F = (squares that one c takes off / 2) / (squares that every edge's own c_e takes off beyond / (2 (E - 1)))
+
+Noise that lasts from frame to frame is in both squares of F alike. A marker beside its place gives edges c_e of their
+own, for where a link points goes with how joints are bent.
 
 Legend: n films, E edges, F frames.
 """
@@ -27,6 +33,8 @@ from serpenoid.measure.trial_files import Files, ever_seen, stated_between
 
 APART = 0.005  # of a length: a lens and where on its floor a body is make less of a whole film
 TINY = np.finfo(float).tiny
+SHOW, DIFFER = "films show", "films of this campaign differ by"
+BY_IT = ", and differ by which way links point in them"
 WITHIN = 0.25  # of how much films differ: what differs as much within them is no camera that was moved, nor is less
 
 
@@ -42,13 +50,16 @@ class Films:
     @property
     def said(self) -> dict[str, str]:
         """What is said of every trial by name: the same of all, or of each whose film has another scale."""
-        longer = self._longer(self.points)
+        longer, directed = self._longer(self.points), self._by_direction()
         if not _differ(longer):
+            if directed.certain and directed.share > max(APART, self.shown[0].noise.max() / 2):
+                return dict.fromkeys(self.trials, _stretched(directed.share))
             words = beside_film(*self.shown)
             return dict.fromkeys(self.trials, words) if words else {}
-        directed, along = self._by_direction()
-        if not _differ(longer - along):
-            return dict.fromkeys(self.trials, _stretched(directed))
+        if not _differ(longer - directed.along):
+            return dict.fromkeys(
+                self.trials, _stretched(directed.share, ", and differ by which way links point in them")
+            )
         scales = longer.mean(axis=1)
         within = [np.ptp(self._longer(np.array_split(one, PARTS)).mean(axis=1)) for one in self.points]
         little = WITHIN * np.ptp(scales)
@@ -56,19 +67,24 @@ class Films:
             return dict.fromkeys(self.trials, _by_place(scales))
         return {t: _another(s, scales) for t, s in zip(self.trials, scales, strict=True) if abs(s) > little}
 
-    def _by_direction(self) -> tuple[float, Floats]:
-        """By which share the longest direction is longer than the one across, of links that turn within films, and what
-        that makes of the lengths (n, E) in each film that all show."""
+    def _by_direction(self) -> Directed:
+        """What links that turn within films show, of edges that all of them show."""
         known = self._known
         steps = [np.diff(points, axis=1)[:, known] for points in self.points]
         twice = [2 * np.arctan2(s[..., 1], s[..., 0]) for s in steps]
         turns = [np.stack([np.cos(t), np.sin(t)], axis=2) for t in twice]  # (F, E, 2)
         sizes = [np.log(np.maximum(np.linalg.norm(s, axis=2), TINY)) for s in steps]
-        seen = np.concatenate([np.isfinite(x).ravel() for x in sizes])
-        about = np.concatenate([(x - np.nanmean(x, axis=0)).reshape(-1, 2) for x in turns])[seen]
-        longer = np.concatenate([(x - np.nanmean(x, axis=0)).ravel() for x in sizes])[seen]
-        found = np.linalg.lstsq(about, longer, rcond=None)[0]
-        return 2 * float(np.hypot(*found)), np.array([np.nanmean(x, axis=0) @ found for x in turns])
+        about = np.nan_to_num(np.concatenate([x - np.nanmean(x, axis=0) for x in turns]))  # hidden: no part in any sum
+        longer = np.nan_to_num(np.concatenate([x - np.nanmean(x, axis=0) for x in sizes]))
+        squares, products = np.einsum("fea,feb->eab", about, about), np.einsum("fea,fe->ea", about, longer)
+        found = np.linalg.pinv(squares.sum(axis=0), hermitian=True) @ products.sum(axis=0)
+        own = (np.linalg.pinv(squares, hermitian=True) @ products[..., None])[..., 0]
+        together = float(found @ products.sum(axis=0))
+        return Directed(
+            2 * float(np.hypot(*found)),
+            np.array([np.nanmean(x, axis=0) @ found for x in turns]),
+            _chance(together, float((own * products).sum()) - together, len(products)) < 1 - CERTAIN,
+        )
 
     @property
     def _known(self) -> NDArray[np.bool_]:
@@ -80,6 +96,23 @@ class Films:
         each = [Shown.of([points], self.shown[1]) for points in recordings]
         known = np.all([one.known for one in each], axis=0)
         return np.array([one.longer[known[one.known]] for one in each])
+
+
+@dataclass(frozen=True)
+class Directed:
+    """share: by which the longest direction on the floor is longer than the one across; along (n, E): what that makes
+    of the lengths in each film; certain: whether edges agree on it beyond chance."""
+
+    share: float
+    along: Floats
+    certain: bool
+
+
+def _chance(together: float, apart: float, edges: int) -> float:
+    """How likely edges whose own c_e are chance agree as much by the squares that both take off."""
+    if edges < 2:
+        return 1.0
+    return float(fdtrc(2, 2 * (edges - 1), (edges - 1) * together / max(apart, TINY)))
 
 
 def _differ(longer: Floats) -> bool:
@@ -98,19 +131,19 @@ def _another(scale: float, scales: Floats) -> str:
     """Of a film whose log scale is another than that of others."""
     own, apart = 100 * abs(np.expm1(scale)), 100 * np.expm1(np.ptp(scales))
     return (
-        f"all links are {own:.2g} % {'longer' if scale > 0 else 'shorter'} in this film than `edge_lengths`, and films "
-        f"of this campaign differ by {apart:.2g} %: was a camera moved, or calibrated anew? Left so it counts "
+        f"all links are {own:.2g} % {'longer' if scale > 0 else 'shorter'} in this film than `edge_lengths`, and "
+        f"{DIFFER} {apart:.2g} %: was a camera moved, or calibrated anew? Left so it counts "
         "as chance of repeats, and hides what is smaller. Give the positions of this film times "
         f"{np.exp(-scale):.4g} (of pixels: so many times its `metres_per_pixel`)"
     )
 
 
-def _stretched(directed: float) -> str:
-    """Of films that differ by which way links point in them."""
+def _stretched(share: float, differ: str = "") -> str:
+    """Of films in which links are longer along one direction; differ: what is said if films differ by that."""
     return (
-        f"films show links up to {100 * directed:.2g} % longer along one direction on the floor than across, and "
-        "differ by which way links point in them: is the camera's scale another along x than along y, or are its axes "
-        "not square? Left so it counts as marker noise and moves what is fitted. Calibrate the camera"
+        f"{SHOW} links up to {100 * share:.2g} % longer along one direction on the floor than across{differ}: is "
+        "the camera's scale another along x than along y, or are its axes not square? Left so it counts as marker "
+        "noise and moves what is fitted. Calibrate the camera"
     )
 
 
@@ -118,7 +151,7 @@ def _by_place(scales: Floats) -> str:
     """Of films within which it changes as much."""
     least, most = 100 * np.expm1(scales.min()), 100 * np.expm1(scales.max())
     return (
-        f"films show all links {least:+.2g} to {most:+.2g} % longer than `edge_lengths`, and as different within a "
+        f"{SHOW} all links {least:+.2g} to {most:+.2g} % longer than `edge_lengths`, and as different within a "
         "film: perspective, or a lens that distorts? Left so it counts as marker noise and moves what is fitted. "
         "Calibrate the camera over the whole floor"
     )
@@ -140,6 +173,11 @@ def films_of(file: CampaignFile, body: Body, read: Sequence[Files]) -> Films | N
     labels = [names[k] for k in shown]
     together = (Shown.of(seen, stated), stated, labels, len(shown) == body.vertices)
     return Films(tuple(marked), together, tuple(seen))
+
+
+def of_cameras(remark: str) -> bool:
+    """Whether a remark is of `Films.said` and about cameras, which the lengths that are stated do not mend."""
+    return remark.startswith(SHOW) or DIFFER in remark
 
 
 def wrong_edges(films: Films | None) -> list[Contradiction]:
