@@ -125,6 +125,8 @@ def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_m
     assert "what windows show besides moves the path by less than its noise: worn_wheel at vertex 2" in said
     assert "(0.9 times the noise, seizure 0.343, in the extended model)" in said
     assert "dry friction alone explains" in meaning(repeated | {"law": {"name": "coulomb"}})
+    given = {"law": {"name": "quadratic"}, "baseline": {"effects": [{"name": "inertia"}, {"name": "servo_lag"}]}}
+    assert "quadratic drag with inertia, servo_lag explains" in meaning(repeated | given)
 
 
 @pytest.mark.parametrize("verdict", ["nothing", "explained"])

@@ -36,7 +36,7 @@ WITHIN = "; in so few windows noise may make as much; what repeats share of it i
 ALIKE = 0.005  # of eps: what reads alike
 TRACELESS = 0.05  # times the noise: what would read 0.0
 MEANINGS = {
-    "nothing": "{law} alone explains this recording within its noise",
+    "nothing": "{law} explains this recording within its noise",
     "explained": "what is named accounts for everything beyond the noise",
     "partly explained": "what is named accounts for a part; more than the noise is left",
     "unexplained": "more than the noise is left, and no effect of the catalogue clearly explains it",
@@ -63,7 +63,8 @@ def meaning(record: Record) -> str:
     if record["verdict"] == "nothing" and record["reference"]:
         said = "nothing has changed since the reference beyond the noise of either"
     else:
-        said = MEANINGS[record["verdict"]].format(law=law(record))
+        known = few([e["name"] for e in record.get("baseline", {}).get("effects", [])])  # not in older answers
+        said = MEANINGS[record["verdict"]].format(law=law(record) + (f" with {known}" if known else " alone"))
     if record["verdict"] == "nothing" and (weak := undetected(record)):
         weaker = f"; what windows show besides moves the path by less than its noise: {few(weak)}"
     else:
@@ -293,7 +294,8 @@ def ratio_change(record: Record) -> list[str]:
         return []
     return [
         f"the anisotropy ratio is {_grown(record)} in the reference ({times(change['strength_over_noise'])})",
-        "all wheels or scales have changed alike, or the ratio makes up for a change that has no name",
+        "all wheels, scales, skin, or the medium itself, have changed alike, or the ratio makes up for a change that has no "
+        "name",
     ]
 
 

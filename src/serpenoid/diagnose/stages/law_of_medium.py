@@ -66,8 +66,9 @@ def law_of(
 
 def in_words(found: Selection, other: Selection, left: Misfits, baseline: Baseline) -> str:
     """Why the other law is taken, and the numbers that its baseline has."""
+    digits = 1 if round(left.named, 1) != round(left.beside, 1) else 2
     (before, then), (after, now) = (
-        (s.null.model.law.title + (" with what is named" if s.best.effects else ""), f"{misfit:.1f}")
+        (s.null.model.law.title + (" with what is named" if s.best.effects else ""), f"{misfit:.{digits}f}")
         for s, misfit in zip((found, other), (left.named, left.beside), strict=True)
     )
     own = (e for e in baseline.model.effects if e.effect in of_laws())

@@ -1,4 +1,5 @@
-"""Whether eps is another than in the reference: what all wheels or scales have in common has no name, and may change.
+"""Whether eps is another than in the reference: what all of a body has in common (wheels, scales) has no name, and may
+change.
 
 Where the reference played the same gaits its own error of eps is in what it left, which is taken out: eps is then
 another where it is not what the reference's model says. Of gaits that are new, the reference's interval counts.
