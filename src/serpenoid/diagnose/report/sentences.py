@@ -294,7 +294,7 @@ def ratio_change(record: Record) -> list[str]:
         return []
     return [
         f"the anisotropy ratio is {_grown(record)} in the reference ({times(change['strength_over_noise'])})",
-        "all wheels, scales or skin, or the medium, have changed alike, or the ratio makes up for a change that has no name",
+        "all wheels or scales, or the medium, have changed alike, or the ratio makes up for a change that has no name",
     ]
 
 
