@@ -71,8 +71,8 @@ def test_points_of_a_long_table_may_have_names(tmp_path):
 
 def test_of_other_names_of_columns_it_is_said_what_to_write(tmp_path):
     path = tmp_path / "m.csv"
-    path.write_text(TIDY.replace("x_0,y_0,x_1,y_1", "x_0 [m],y_0 [m],x_1 [m],y_1 [m]"))
-    wanted = 'columns = { time = "t_s", x = "x_* [m]", y = "y_* [m]" }'
+    path.write_text(TIDY.replace("x_0,y_0,x_1,y_1", "x_0 [span],y_0 [span],x_1 [span],y_1 [span]"))
+    wanted = 'columns = { time = "t_s", x = "x_* [span]", y = "y_* [span]" }'
     with pytest.raises(InputError, match=re.escape(wanted)):
         read_tidy(path)
     path.write_text("t_s,nose x,nose y\n0,0,0\n")

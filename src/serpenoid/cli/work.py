@@ -21,7 +21,7 @@ SERVOS = "command against shape"
 STAGES = (READING, SERVOS, "shape against markers", "shape against motion", SEARCH, "which law the medium follows",
           "what else it could be", "gain on held-out gaits")  # fmt: skip
 # seconds a trial, measured from the log of a diagnosis of 16 trials (--log-file); figures in all
-FIRST = dict(zip(STAGES, (0.10, 0.01, 0.05, 0.16, 0.94, 0.10, 0.20, 0.10), strict=True)) | {SEARCHES: 2.0, FIGURES: 8.5}
+FIRST = dict(zip(STAGES, (0.12, 0.20, 0.05, 0.06, 0.10, 0.01, 0.02, 0.03), strict=True)) | {SEARCHES: 2.0, FIGURES: 1.0}
 NEWEST = 0.5  # weight of the last diagnosis in what is expected of the next
 REMEMBERED = 0.2  # of what was expected: a stage that took less was found in the cache and tells nothing
 KEPT = "diagnosis-times.json"

@@ -50,7 +50,8 @@ def plays(recordings: Sequence[Recording], held: bool | None = None) -> Plays:
     not; held: whether rows are, where that is known.
 
     Noise is the least that readings have about any of it: about a smooth course, those of servos that jump scatter
-    widely, and a way that is wrong is followed. Laws of several numbers are tried where those of fewer leave something.
+    widely, and a way that is wrong is followed. Laws of several numbers are tried where those of fewer leave something
+    of most joints: what one joint does by itself no law of all servos tells.
     """
     every = list(ways(recordings, held))
     noise = np.min([data.noise for data in every], axis=0)
@@ -59,7 +60,7 @@ def plays(recordings: Sequence[Recording], held: bool | None = None) -> Plays:
     found = [(data, played) for data, played in zip(every, _by_each(every, few), strict=True)]
     for laws in sets:
         for data, played in found:
-            if any(followed(of, p) for of, known in found for p in known):
+            if any(np.median(of.missed(p)) < VISIBLE**2 for of, known in found for p in known):
                 break
             played += _by_each([data], laws)[0]
     if len(found) > 1:
