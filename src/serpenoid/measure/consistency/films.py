@@ -57,9 +57,7 @@ class Films:
             words = beside_film(*self.shown)
             return dict.fromkeys(self.trials, words) if words else {}
         if not _differ(longer - directed.along):
-            return dict.fromkeys(
-                self.trials, _stretched(directed.share, ", and differ by which way links point in them")
-            )
+            return dict.fromkeys(self.trials, _stretched(directed.share, BY_IT))
         scales = longer.mean(axis=1)
         within = [np.ptp(self._longer(np.array_split(one, PARTS)).mean(axis=1)) for one in self.points]
         little = WITHIN * np.ptp(scales)
