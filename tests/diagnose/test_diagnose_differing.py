@@ -72,6 +72,7 @@ def test_a_healthy_robot_whose_wheels_differ_has_no_name_without_a_mark(tmp_path
     assert any("parts are not alike: worn_wheel varies" in w for w in found.words)
 
 
+@pytest.mark.slow
 def test_a_payload_takes_the_place_of_what_all_other_vertices_lack(tmp_path: Path) -> None:
     """Forces count by shares: less weight everywhere else is a load."""
     vertex, share = 4, 0.25

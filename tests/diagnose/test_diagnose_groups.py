@@ -101,7 +101,7 @@ def test_the_report_says_which_experiment_tells_the_group_apart(tmp_path: Path) 
     proposed = json.loads((out / "diagnosis.json").read_text())["next_experiment"]
     page = (out / "report.html").read_text(encoding="utf-8")
     assert len(read_table(out / proposed["joint_table"])) > 1
-    assert f"<code>{proposed['joint_table']}</code> with {proposed['cycle_duration_s']:.3g} s per cycle" in page
+    assert f"<code>{proposed['joint_table']}</code>, {proposed['cycle_duration_s']:.3g} s per cycle" in page
     assert all(f"{rival['name']}: {rival['expected_chi2']:.0f}" in page for rival in proposed["tells_apart"])
 
 
@@ -126,6 +126,7 @@ def slope_and_toe(tmp_path_factory: pytest.TempPathFactory) -> MotionFinding:
     return motion(tmp_path_factory.mktemp("two"), 950, SLOPE, TOE)
 
 
+@pytest.mark.slow
 def test_each_of_two_separable_effects_is_named_alone_and_missed_when_left_out(slope_and_toe: MotionFinding) -> None:
     found = slope_and_toe
     assert members(found.stage) == {("slope", None), ("toe", None)}

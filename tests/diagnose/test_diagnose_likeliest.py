@@ -38,6 +38,7 @@ def explanations(folder: Path, law: Sequence[Effect], seizure: float = 0.5, gait
     return motion, [alone, of(HEAP)]
 
 
+@pytest.mark.slow
 def test_beside_a_law_that_is_wrong_the_cause_is_likelier_than_a_heap(tmp_path: Path) -> None:
     motion, (alone, heap) = explanations(tmp_path, [LAW])
     assert discrepancy(motion, heap.predictions) > 0

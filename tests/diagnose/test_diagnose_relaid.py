@@ -38,6 +38,7 @@ def off(made: Campaign, recordings: Sequence[Recording]) -> float:
     return float(np.mean([(r.time - filmed[r.name]).mean() for r in recordings]))
 
 
+@pytest.mark.slow
 def test_play_does_not_draw_clocks_aside_once_it_is_known(tmp_path: Path) -> None:
     made, recordings = read(tmp_path, [Effect("loose_joint", 4, {"width": WIDTH})], gaits=3)
     _, seen = choose_observation(recordings, Observation.neutral(recordings[0].body))

@@ -81,6 +81,7 @@ def test_servos_that_overshoot_or_creep_have_a_lag_and_a_damping(
     assert_known(named, lag=lag, damping=damping)
 
 
+@pytest.mark.slow
 def test_servos_that_ring_after_every_row_that_jumps_have_inertia(tmp_path: Path) -> None:
     hidden = Effect("servo_inertia", None, {"lag": 0.05, "damping": 0.4})
     protocol = replace(with_joints(usual(SEED, COMBINATIONS[:1]), JOINTS), held=True)

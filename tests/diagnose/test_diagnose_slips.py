@@ -41,6 +41,7 @@ def slipped(tmp_path_factory: pytest.TempPathFactory) -> list[Recording]:
     return [*healthy[:FIRST], *after[FIRST:]]
 
 
+@pytest.mark.slow
 def test_a_horn_that_slips_has_no_name_and_is_told_with_joint_trial_and_angle(slipped: list[Recording]) -> None:
     stage, _ = choose_observation(slipped, Observation.neutral(slipped[0].body))
     assert not stage.named
@@ -96,6 +97,7 @@ def _slid(markers: Floats, at: int, by: float) -> Floats:
     return found
 
 
+@pytest.mark.slow
 def test_what_a_zero_leaves_of_what_it_does_is_as_much_as_trials_disagree(slipped: list[Recording]) -> None:
     body = slipped[0].body
     (column,) = columns_of(body, "zero_offset", JOINT)

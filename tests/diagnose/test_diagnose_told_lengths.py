@@ -103,6 +103,7 @@ def test_all_markers_may_be_to_one_side(tmp_path: Path) -> None:
 STRETCH = np.array([[0.006, 0.004], [0.004, -0.002]])  # by 2 mm a metre everywhere, by 4 along x, by 4 along 45 degrees
 
 
+@pytest.mark.slow
 def test_a_stretched_camera_is_no_wrong_links(tmp_path: Path) -> None:
     stage = seen(tmp_path / "short", [], camera=np.eye(2) + STRETCH, gaits=2)
     found = {n.effect.name: n for n in stage.named}
