@@ -402,12 +402,7 @@ def test_a_servo_that_is_dead_in_one_of_two_repeats_is_no_stuck_joint(recordings
     assert not stage.settled
 
 
-UNSAID = pytest.mark.xfail(
-    reason="where nothing says when trials began, it is said of the healthy one that it follows alone"
-)
-
-
-@pytest.mark.parametrize("said", [True, pytest.param(False, marks=[pytest.mark.slow, UNSAID])])
+@pytest.mark.parametrize("said", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_a_trial_in_which_servos_are_weak_is_seen_beside_its_repeat_and_named(
     recordings: tuple[Recording, ...], said: bool
 ) -> None:
