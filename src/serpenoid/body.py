@@ -14,7 +14,7 @@ from pydantic import Field, field_validator, model_validator
 
 from serpenoid.errors import InputError
 from serpenoid.files.schema import Record
-from serpenoid.joint_range import JointLimit, misfit, ranges_deg
+from serpenoid.joint_range import JointLimit, misfit
 
 Positive = Annotated[float, Field(gt=0)]
 Floats = NDArray[np.float64]
@@ -242,8 +242,3 @@ class Body(Record):
     def joint_count(self) -> int:
         """m."""
         return len(self.joint_vertices)
-
-    @property
-    def joint_ranges_deg(self) -> Floats | None:
-        """Lower and upper angle of every joint, shape (m, 2) [degrees]; None where nothing limits them."""
-        return None if self.joint_limit_deg is None else ranges_deg(self.joint_limit_deg, self.joint_count)

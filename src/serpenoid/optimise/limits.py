@@ -36,12 +36,13 @@ class PathLimits:
         return bool(np.isfinite(self.upper).any())
 
     @property
-    def middle(self) -> Floats | None:
-        """The middle of each joint's range, shape (m,); None where every range is the same to either side."""
-        m = len(self.upper) // 2
-        if (self.lower == -self.upper).all():
-            return None
-        return (self.lower[:m] + self.upper[:m]) / 2
+    def even(self) -> bool:
+        """Whether every range is the same to either side."""
+        return bool((self.lower == -self.upper).all())
+
+    def of_rows(self, count: int) -> tuple[Floats, Floats]:
+        """Lower and upper bounds of so many rows, one after the other, shape (count 2 m,)."""
+        return np.tile(self.lower, count), np.tile(self.upper, count)
 
 
 def path_limits(problem: Problem) -> PathLimits:

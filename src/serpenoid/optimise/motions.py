@@ -115,12 +115,7 @@ class GaitMotions:
 
     def fine_clearance(self, q: Floats) -> Clearance | None:
         """How near the body comes to obstacles with FINER times as many steps; None without any, or where it fails."""
-        motion = self.simulate(q, FINER) if self.obstacles.gaps else None
-        if motion is None or not motion.status.ok:
-            return None
-        family = self.family.refined(FINER)
-        table = family_tables(self.model, family, self.family.on_finer_rows(q, FINER)[None])[0]
-        return self.obstacles.clearance(motion.poses, table)
+        return self.obstacles.of_gait(self.family.refined(FINER), self.family.on_finer_rows(q, FINER))
 
     def self_clearance(self, table: Floats) -> SelfClear | None:
         """How near the body comes to itself; None where nobody asks."""

@@ -8,11 +8,14 @@ from functools import cached_property
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.gaits import GaitFamily
+from serpenoid.mechanics.tables import family_tables
 from serpenoid.model import Model
 from serpenoid.objectives.criteria import Gaps
 from serpenoid.optimise.between import Between, GapField
 from serpenoid.optimise.clearance import Clearance, clearance
 from serpenoid.optimise.watch import Watch, every_vertex, exchanged, near
+from serpenoid.simulation.gaits import simulate_gait
 from serpenoid.simulation.rollout import Batch
 from serpenoid.simulation.servos import realise_gait
 
@@ -62,6 +65,13 @@ class Obstacles:
         if not self.gaps:
             return None
         return clearance(self.path(poses[None], table[None]), self.field)
+
+    def of_gait(self, family: GaitFamily, q: Floats) -> Clearance | None:
+        """The same of a gait, simulated; None where that fails, too."""
+        motion = simulate_gait(self.model, family, q) if self.gaps else None
+        if motion is None or not motion.status.ok:
+            return None
+        return self.clearance(motion.poses, family_tables(self.model, family, q[None])[0])
 
     def too_near(self, watch: Watch, tables: Floats, batch: Batch, margin: float) -> Floats:
         """How much nearer than `margin` watched points come, and vertices of any row than allowed, summed: (B,)."""

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from serpenoid.body import Floats
 from serpenoid.gaits import GaitFamily, TableGait
-from serpenoid.mechanics.tables import family_tables
 from serpenoid.objectives.criteria import Criteria
 from serpenoid.objectives.obstacles import Obstacle
 from serpenoid.objectives.term import Demand, Goal, Played, told
@@ -65,12 +64,8 @@ def clear_of_obstacles(problem: Problem, table: Floats, motion: Trajectory) -> C
 
 def fine_clear_of_obstacles(problem: Problem, table: Floats) -> Clearance | None:
     """The same of a cycle with FINER times as many steps; None where it fails, too."""
-    family, q = _finer(problem, table, FINER)
-    obstacles = _obstacles(problem, FINER * (len(table) - problem.task.transient))
-    motion = simulate_gait(problem.model, family, q) if obstacles.gaps else None
-    if motion is None or not motion.status.ok:
-        return None
-    return obstacles.clearance(motion.poses, family_tables(problem.model, family, q[None])[0])
+    steps = FINER * (len(table) - problem.task.transient)
+    return _obstacles(problem, steps).of_gait(*_finer(problem, table, FINER))
 
 
 def _obstacles(problem: Problem, steps: int) -> Obstacles:

@@ -119,8 +119,7 @@ class PreparedNLPs(GaitMotions):
         if turn is not None:
             last = self.family.pose_size * (self.steps - 1) + 2  # the heading of the last pose
             lbx[last] = ubx[last] = turn
-        low, high = (np.tile(ends, len(carried.rows)) for ends in (self.limits.lower, self.limits.upper))
-        zero = np.zeros(own)
+        (low, high), zero = self.limits.of_rows(len(carried.rows)), np.zeros(own)
         least, most = self.asked.bounds
         gaps = np.full(carried.watch.count(*size), -np.inf)
         gaps[carried.watch.kept(*size)] = carried.margin

@@ -154,8 +154,7 @@ class RobustSolver(GaitSolver):
         nlp, _ = self.prepared(carried)
         own, turn = np.full(sum(nlp.own) + (self.over == "worst"), np.inf), self.heading_target()
         lbx, ubx = np.concatenate([-own, lower]), np.concatenate([own, upper])
-        below, above = (np.tile(ends, len(carried.rows)) for ends in (self.limits.lower, self.limits.upper))
-        least, most = self.asked.bounds
+        (below, above), (least, most) = self.limits.of_rows(len(carried.rows)), self.asked.bounds
         low: list[Floats] = []
         high: list[Floats] = []
         for part, begin in zip(nlp.cases, np.cumsum([0, *nlp.own]), strict=False):

@@ -26,7 +26,7 @@ LEAST = 0.05  # of a gait that is moved: what is shrunk more hardly moves the bo
 def random_gaits(solver: GaitSolver, count: int, seed: int) -> Floats:
     """`count` gaits within the problem's bounds and limits, shape (count, n). InputError: none was found."""
     rng = np.random.default_rng(seed)
-    if solver.limits.middle is None:
+    if solver.limits.even:
         return np.array([_shrink(solver, solver.family.sample(rng)) for _ in range(count)])
     return np.array([_drawn(solver, rng) for _ in range(count)])
 
@@ -36,7 +36,7 @@ def inside(solver: GaitSolver, q: Floats) -> Floats | None:
 
     Under limits that are the same to either side a search begins at any gait.
     """
-    if solver.limits.middle is None or float(solver.excess(solver.table(q)).max()) <= 0:
+    if solver.limits.even or float(solver.excess(solver.table(q)).max()) <= 0:
         return q
     return _moved(solver, q)
 

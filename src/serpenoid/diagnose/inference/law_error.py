@@ -10,11 +10,18 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
+from serpenoid.body import Floats
 from serpenoid.diagnose.inference.prices import E
 from serpenoid.effects.active import ActiveEffect
 
 LAW_ERROR = 1 / 3  # of what an effect does
+
+
+def far_less(calm: Floats, astray: Floats) -> NDArray[np.bool_]:
+    """Whether every one of some trials' mean squares (T, ..) is less than every other's by what a law may get wrong."""
+    return np.asarray(calm.max(axis=0) <= LAW_ERROR**2 * astray.min(axis=0))
 
 
 def lawful(

@@ -104,8 +104,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
         promising = [r for r in shortlist(ranked, FULL_FITS[level]) if r[1] > worth]
         tries = attempts(motion, best, promising)
         if all(off_by(motion, t.fit) > FAR for t in tries):
-            some = [e for e in from_typical(motion, best) if not level or motion.unrepeated or e[0].effect.remembers]
-            tries += attempts(motion, best, some)
+            tries += attempts(motion, best, from_typical(motion, best, every=not level or motion.unrepeated))
         tries += attempts(motion, best, at_other_places(best, tries))
         least_left = min(f.chi2 for f in (best, *(t.fit for t in tries)))
         if rival is not None and least_left > UNCLEAR * best.evidence.count.sum():
@@ -330,11 +329,12 @@ def beside(motion: Motion, rival: Try, count: int) -> list[Try]:
     return attempts(motion, base, shortlist(score(motion, base), count))
 
 
-def from_typical(motion: Motion, base: Fit) -> list[Ranked]:
-    """Effects without a place, from moderate values: neutral ones are too far off to tell."""
+def from_typical(motion: Motion, base: Fit, every: bool = True) -> list[Ranked]:
+    """Effects without a place, from moderate values: neutral ones are too far off to tell. every: not only those that
+    remember the steps before."""
     barred = motion.untestable | {e.name for e in base.effects}
     absent = (c for c in candidates_of(base) if c.place is None and c.name not in barred)
-    typical = [ActiveEffect.typical(c.name) for c in absent]
+    typical = [ActiveEffect.typical(c.name) for c in absent if every or c.effect.remembers]
     return [(e, 0.0, np.concatenate([base.coordinates, e.coordinates[:-1]])) for e in typical]
 
 

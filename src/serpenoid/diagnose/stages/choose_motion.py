@@ -123,8 +123,10 @@ def choose_on_tracks(
     undetected = (*found.stage.undetected, *(n for n in every if n not in named))
     barred = not_looked_for(baseline, untestable)
     drag_at = "" if law.words else middles.words
-    stage = replace(found.stage, named=named, undetected=undetected, untestable=barred, laws=law.rivals)
-    stage = replace(stage, law_taken=law.words, drag_at=drag_at)
+    stage = replace(
+        found.stage, named=named, undetected=undetected, untestable=barred,
+        laws=law.rivals, law_taken=law.words, drag_at=drag_at,
+    )  # fmt: skip
     return replace(found, stage=stage, baseline=baseline)
 
 

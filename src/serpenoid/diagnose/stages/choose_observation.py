@@ -15,7 +15,7 @@ from serpenoid.diagnose.data.columns import columns_of
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.finding import VISIBLE, Divided, Named, Rival, Stage, alone, excludable, interval
-from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
+from serpenoid.diagnose.inference.law_error import LAW_ERROR, far_less, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained, outweighed
 from serpenoid.diagnose.stages.looked import Key, Looked, effect_of, gained_beyond
 from serpenoid.diagnose.stages.marker_evidence import (
@@ -218,7 +218,7 @@ def _in_some_trials(best: Looked, channel: int) -> Divided | None:
     more, as in `trials_astray`. It may be the gaits that differ, so it is `perhaps`."""
     squares = structure_by_trial(best.data, best.now, channel)
     astray, calm = squares > 1 + VISIBLE**2, squares <= 1 + VISIBLE**2  # neither: of what a trial does not show
-    if not calm.any() or not astray.any() or squares[calm].max() > LAW_ERROR**2 * squares[astray].min():
+    if not calm.any() or not astray.any() or not far_less(squares[calm], squares[astray]):
         return None
     changed, others = (tuple(n for n, x in zip(best.data.names, of, strict=True) if x) for of in (astray, calm))
     joints = best.data.body.joint_count

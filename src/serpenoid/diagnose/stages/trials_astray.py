@@ -12,7 +12,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.inference.finding import VISIBLE, Divided
-from serpenoid.diagnose.inference.law_error import LAW_ERROR
+from serpenoid.diagnose.inference.law_error import LAW_ERROR, far_less
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.measure.cells import listed
 
@@ -32,7 +32,7 @@ def trials_astray(data: Plays, played: Floats, joint: int) -> Divided | None:
         return _trend(data, played, left, joint)
     if not mine.any():
         return None
-    clear = squares[~mine].max(axis=0) <= LAW_ERROR**2 * squares[mine].min(axis=0)
+    clear = far_less(squares[~mine], squares[mine])
     if not clear[joint]:
         return None
     names = [r.name for r in data.recordings]
