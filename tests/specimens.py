@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -10,41 +11,29 @@ from oracle.chain import serpenoid_joint_table
 from oracle.integrator import Run, simulate
 from serpenoid.body import Body, Floats
 from serpenoid.gaits import EllipseGait, Gait
-from serpenoid.mechanics import columns, tables, vertices
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.optimise import joint_blocks, lifted_blocks, motion_law, serpenoid_blocks
+from serpenoid.optimise import motion_law
 from serpenoid.optimise.asked import Customise, asked
 from serpenoid.optimise.between import GapField
 from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.optimise.watch import Watch, Watched, every_vertex
 from serpenoid.problem import Problem, Task, load
-from serpenoid.simulation import lifted
 from serpenoid.trajectory import Trajectory
 
 PROBLEMS = Path(__file__).parents[1] / "problems"
 REFERENCE_EPS = 0.1865
+EVALUATING = tuple(f"serpenoid.{package}." for package in ("mechanics", "simulation", "optimise", "compare"))
 
 
 def forget_functions() -> None:
-    """Drop what was prepared for compiled or uncompiled evaluation, so that the environment is asked again."""
-    for cache in (
-        columns.shapes,
-        columns.steps,
-        columns._mapped,
-        serpenoid_blocks._functions,
-        joint_blocks.baseline_blocks,
-        motion_law._path_functions,
-        tables._over_rows,
-        lifted_blocks.element_functions,
-        lifted_blocks.composition,
-        lifted._element,
-        lifted._over,
-        vertices.over_steps,
-        vertices._map,
-        vertices._step,
-    ):
-        cache.cache_clear()
+    """Drop what was prepared for compiled or uncompiled evaluation, so that the environment is asked again: whatever
+    the packages that make or evaluate Functions remember. What one of them kept would be slow in all later tests."""
+    for name, module in list(sys.modules.items()):
+        if name.startswith(EVALUATING):
+            for member in list(vars(module).values()):
+                if callable(forget := getattr(member, "cache_clear", None)) and member.__module__ == name:
+                    forget()
 
 
 def problem(name: str, *changes: str) -> Problem:

@@ -17,7 +17,7 @@ import pytest
 from serpenoid.errors import InputError
 from serpenoid.files import store
 from serpenoid.mechanics import compile as compilation
-from serpenoid.mechanics import functions
+from serpenoid.mechanics import functions, roots, servo
 from serpenoid.mechanics.compile import compiled, find_compiler, generate_c
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.model import Structure
@@ -72,6 +72,18 @@ def test_switching_compilation_off_leaves_the_functions_as_they_are(monkeypatch:
     monkeypatch.setenv("SERPENOID_COMPILE", "0")
     function = functions.shape(SMALL)
     assert compiled([function])[0] is function
+
+
+@needs_compiler
+def test_what_was_prepared_without_a_compiler_is_not_kept_for_later_tests(fresh: None) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SERPENOID_COMPILE", "0")
+        forget_functions()
+        assert servo._in_lanes() is None
+        assert roots.roots("viscous") is None
+    forget_functions()
+    assert servo._in_lanes() is not None
+    assert roots.roots("viscous") is not None
 
 
 @needs_compiler
@@ -198,7 +210,7 @@ def test_a_cache_that_cannot_be_written_is_a_warning_and_the_virtual_machine(
 CHILD = """
 import sys
 import numpy as np
-from serpenoid.mechanics import functions
+from serpenoid.mechanics import functions, roots, servo
 from serpenoid.mechanics.compile import compiled
 from serpenoid.model import Structure
 structure = Structure(4, (1, 2), "vertex")
