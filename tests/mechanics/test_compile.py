@@ -25,7 +25,7 @@ from serpenoid.simulation import simulate_batch, simulate_joint_angles
 from specimens import forget_functions, nlp_of, phases_of_rows, problem, reference, serpenoid_table
 
 SAME = 1e-12  # the project's bound between compiled and interpreted evaluation
-needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
+needs_compiler = pytest.mark.skipif(not find_compiler(), reason="no C compiler here")
 SMALL = Structure(4, (1, 2), "vertex")
 LARGER = Structure(5, (1, 2, 3), "vertex")
 
@@ -84,6 +84,21 @@ def test_what_was_prepared_without_a_compiler_is_not_kept_for_later_tests(fresh:
     forget_functions()
     assert servo._in_lanes() is not None
     assert roots.roots("viscous") is not None
+
+
+def test_where_the_machine_has_no_compiler_that_of_a_package_serves(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setattr(compilation.importlib.util, "find_spec", lambda name: None)
+    compilation._note_once.cache_clear()
+    function = functions.shape(SMALL)
+    with caplog.at_level(logging.WARNING):
+        assert compiled([function])[0] is function
+    assert "pip install ziglang" in caplog.text
+    monkeypatch.setattr(compilation.importlib.util, "find_spec", lambda name: name == "ziglang")
+    assert find_compiler()[:4] == (sys.executable, "-m", "ziglang", "cc")
 
 
 @needs_compiler
@@ -184,7 +199,7 @@ def test_a_cache_of_another_user_is_refused_before_anything_is_loaded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("SERPENOID_CACHE", str(tmp_path))
-    monkeypatch.setattr(compilation, "find_compiler", lambda: "cc")
+    monkeypatch.setattr(compilation, "find_compiler", lambda: ("cc",))
     os.chown(tmp_path, 4321, 4321)
     with pytest.raises(InputError, match=r"belongs to another user \(uid 4321\).*Set SERPENOID_CACHE"):
         compiled([functions.shape(SMALL)])
@@ -196,7 +211,7 @@ def test_a_cache_that_cannot_be_written_is_a_warning_and_the_virtual_machine(
 ) -> None:
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("SERPENOID_CACHE", str(tmp_path / "file"))
-    monkeypatch.setattr(compilation, "find_compiler", lambda: "cc")
+    monkeypatch.setattr(compilation, "find_compiler", lambda: ("cc",))
     function = functions.shape(SMALL)
     with caplog.at_level(logging.WARNING):
         assert compiled([function])[0] is function
@@ -242,7 +257,7 @@ def test_generated_c_of_a_public_function_compiles_by_itself(tmp_path: Path) -> 
     source = tmp_path / "momentum.c"
     source.write_text(generate_c([functions.step_momentum(SMALL)]))
     library = tmp_path / "momentum.so"
-    subprocess.run([str(find_compiler()), "-shared", "-fPIC", str(source), "-o", str(library), "-lm"], check=True)
+    subprocess.run([*find_compiler(), "-shared", "-fPIC", str(source), "-o", str(library), "-lm"], check=True)
     external, rng = ca.external("step_momentum", str(library)), np.random.default_rng(41)
     inputs = [rng.normal(size=external.size_in(i)) for i in range(external.n_in())]
     expected = functions.step_momentum(SMALL)(*inputs).full()

@@ -13,7 +13,7 @@ from serpenoid.mechanics.columns import over_columns
 from serpenoid.mechanics.compile import find_compiler
 from specimens import forget_functions
 
-needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
+needs_compiler = pytest.mark.skipif(not find_compiler(), reason="no C compiler here")
 ROUNDING = 4e-16  # two units in the last place of a number near one
 
 

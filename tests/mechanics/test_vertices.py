@@ -29,7 +29,7 @@ def given(steps: int, elements: int) -> list[np.ndarray]:
     return [before, after, poses, settings, medium, theta]
 
 
-@pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
+@pytest.mark.skipif(not find_compiler(), reason="no C compiler here")
 @pytest.mark.parametrize(("steps", "elements"), [(1, 3), pytest.param(67, 5, marks=pytest.mark.slow), (128, 4)])
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("which", ["balance", "coupled", "sensitivity"])

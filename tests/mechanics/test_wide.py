@@ -10,7 +10,7 @@ from serpenoid.mechanics import wide
 from serpenoid.mechanics.compile import find_compiler
 from serpenoid.mechanics.wide import Columns, over_columns
 
-needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
+needs_compiler = pytest.mark.skipif(not find_compiler(), reason="no C compiler here")
 ROUNDING = 1e-15  # a few units in the last place of sums of numbers near one
 
 

@@ -43,7 +43,7 @@ def test_the_step_by_moments_is_the_root_of_the_forces_alone_and_in_a_chain(mode
         np.testing.assert_allclose(found.energy, by_moments.energy, rtol=1e-12)
 
 
-@pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
+@pytest.mark.skipif(not find_compiler(), reason="no C compiler here")
 @pytest.mark.parametrize("law", LAWS)
 def test_lanes_that_are_refilled_find_the_roots_of_steps_side_by_side(law: str) -> None:
     """150 steps in C, from a guess that is far off, and some that have no root: the same ones, step for step."""
@@ -73,7 +73,7 @@ def test_lanes_that_are_refilled_find_the_roots_of_steps_side_by_side(law: str) 
         np.testing.assert_allclose(one, other, rtol=0, atol=SAME * np.abs(other).max())
 
 
-@pytest.mark.skipif(find_compiler() is None, reason="no C compiler here")
+@pytest.mark.skipif(not find_compiler(), reason="no C compiler here")
 def test_columns_asked_for_are_those_of_all_derivatives() -> None:
     """Some with a place and some without, of 100 steps, two of which are no numbers."""
     begun = reference()

@@ -2,18 +2,20 @@
 
 The cache key is the C source, the compiler and its flags. Two processes that compile the same thing wait for each other
 (file lock); a library is written beside its place and renamed into it. SERPENOID_COMPILE=0 switches compilation off,
-SERPENOID_CACHE moves the cache.
+SERPENOID_CACHE moves the cache. Without a compiler of the machine's own, that of the package ziglang serves (`zig cc`).
 """
 
 from __future__ import annotations
 
 import contextlib
 import hashlib
+import importlib.util
 import logging
 import os
 import shutil
 import stat
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -29,6 +31,7 @@ from serpenoid.files import cache
 from serpenoid.files.writing import atomic, write_text
 
 FLAGS = ("-O3", "-fPIC", "-shared", "-ffp-contract=off")
+ZIG = (sys.executable, "-m", "ziglang", "cc", "-mcpu=baseline")  # by itself it takes whatever this processor has
 EFFORT = "-O1"  # of CasADi's C: more takes twice as long and longer to compile, and the code is no faster
 log = logging.getLogger(__name__)
 T = TypeVar("T")
@@ -36,7 +39,7 @@ T = TypeVar("T")
 
 def compiled(functions: Sequence[ca.Function]) -> list[ca.Function]:
     """The same functions, evaluated as machine code where a C compiler exists, else as they are."""
-    if find_compiler() is None:
+    if not find_compiler():
         _note_once()
         return list(functions)
 
@@ -49,10 +52,10 @@ def compiled(functions: Sequence[ca.Function]) -> list[ca.Function]:
 def loaded(name: str, source: str, load: Callable[[str], T], flags: Sequence[str] = ()) -> T | None:
     """What `load` makes of the library of a C source, compiled once per source, compiler, flags; None: no library."""
     compiler = find_compiler()
-    if compiler is None:
+    if not compiler:
         return None
     try:
-        library = _library(name, source, [compiler, *FLAGS, *flags])
+        library = _library(name, source, [*compiler, *FLAGS, *flags])
     except (OSError, subprocess.SubprocessError, filelock.Timeout) as error:
         if not cache.lost(error):
             log.warning("compiling failed, using CasADi's virtual machine: %s", error)
@@ -66,17 +69,23 @@ def loaded(name: str, source: str, load: Callable[[str], T], flags: Sequence[str
         return None
 
 
-def find_compiler() -> str | None:
-    """Path of the C compiler, or None where there is none or SERPENOID_COMPILE=0."""
+def find_compiler() -> tuple[str, ...]:
+    """Words of the command that compiles C; empty where there is none, or SERPENOID_COMPILE=0."""
     if os.environ.get("SERPENOID_COMPILE", "1") == "0":
-        return None
-    return shutil.which(os.environ.get("CC", "cc")) or shutil.which("gcc") or shutil.which("clang")
+        return ()
+    own = shutil.which(os.environ.get("CC", "cc")) or shutil.which("gcc") or shutil.which("clang")
+    if own:
+        return (own,)
+    return ZIG if importlib.util.find_spec("ziglang") else ()
 
 
 @lru_cache(maxsize=1)
 def _note_once() -> None:
     if os.environ.get("SERPENOID_COMPILE", "1") != "0":
-        log.warning("no C compiler found: same results from CasADi's virtual machine, but slower")
+        log.warning(
+            "no C compiler found: the same results from CasADi's virtual machine, but many times slower. Install gcc or "
+            "clang, or a compiler that comes as a Python package: pip install ziglang"
+        )
 
 
 def cache_folder() -> Path:

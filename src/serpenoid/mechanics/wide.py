@@ -77,7 +77,7 @@ def over_columns(functions: Sequence[ca.Function], shared: int = -1, portable: b
 
 def _blocks(functions: Sequence[ca.Function], shared: int) -> list[ca.Function] | None:
     """Each function over W columns; None where there is no such C, or no compiler."""
-    source = None if find_compiler() is None else wide_source(functions, shared)
+    source = wide_source(functions, shared) if find_compiler() else None
     if source is None:
         return None
 
