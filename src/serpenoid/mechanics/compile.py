@@ -83,8 +83,8 @@ def find_compiler() -> tuple[str, ...]:
 def _note_once() -> None:
     if os.environ.get("SERPENOID_COMPILE", "1") != "0":
         log.warning(
-            "no C compiler found: the same results from CasADi's virtual machine, but many times slower. Install gcc or "
-            "clang, or a compiler that comes as a Python package: pip install ziglang"
+            "no C compiler found: the same results from CasADi's virtual machine, but many times slower. Install gcc "
+            "or clang, or a compiler that comes as a Python package: pip install ziglang"
         )
 
 
