@@ -169,6 +169,7 @@ def test_a_wheel_that_seizes_amid_the_campaign_is_named(tmp_path: Path, beside: 
     assert own["effects"] == answer["effects"]
 
 
+@pytest.mark.slow
 def test_the_screen_says_which_trials_and_what_of_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write(changed_in_the_last_round(Effect("zero_offset", 4, {"offset": 0.1}), 2), tmp_path / "now")
     assert main(["diagnose", str(tmp_path / "now"), "--out", str(tmp_path / "out"), "--no-figures"]) == 0

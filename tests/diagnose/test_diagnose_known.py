@@ -25,6 +25,7 @@ from specimens import problem
 SNAKE = Path(__file__).parents[2] / "problems" / "snake10.toml"
 
 
+@pytest.mark.slow
 def test_the_extended_model_of_a_diagnosis_explains_its_campaign(
     campaign: Path, diagnosed: tuple[Diagnosis, dict[str, Any], Path]
 ) -> None:

@@ -72,6 +72,7 @@ def on_dry(dragged: tuple[Motion, Fit]) -> tuple[Motion, Fit]:
     return motion, fit_eps(motion, null.model)
 
 
+@pytest.mark.slow
 def test_dry_friction_is_told_of_where_it_is_the_law(dragged: tuple[Motion, Fit]) -> None:
     assert asked(*on_dry(dragged)).startswith("dry friction (Coulomb) misses windows by 1.0 times the noise")
 
@@ -186,12 +187,9 @@ def test_the_numbers_of_a_law_are_found_with_eps(law: str, dragged: tuple[Motion
 
 @pytest.mark.parametrize(
     ("law", "law_open"),
-    [  # effects make the plain slip of drag
-        pytest.param("coulomb", True, marks=pytest.mark.slow),
-        ("coulomb_by_components", True),
-        pytest.param("coulomb", False, marks=pytest.mark.slow),
-    ],
+    [("coulomb", True), ("coulomb_by_components", True), ("coulomb", False)],  # effects make the plain slip of drag
 )
+@pytest.mark.slow
 def test_a_law_that_nobody_states_is_taken_where_it_leaves_little_and_drag_much(
     law: str, law_open: bool, dragged: tuple[Motion, Fit]
 ) -> None:

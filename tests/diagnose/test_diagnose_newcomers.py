@@ -66,6 +66,7 @@ def said(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 NEWCOMERS = [("sagging_floor", "rate", SAG), ("turning_frame", "rate", TURN), ("sliding_skin", "share", SLIDE)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "parameter", "truth"), NEWCOMERS)
 def test_a_newcomer_is_found_and_its_interval_covers_it(
     said: dict[str, Any], name: str, parameter: str, truth: float
@@ -76,6 +77,7 @@ def test_a_newcomer_is_found_and_its_interval_covers_it(
     assert high - low < 0.1 * abs(truth)
 
 
+@pytest.mark.slow
 def test_the_newcomers_are_all_that_is_named(said: dict[str, Any]) -> None:
     assert said["verdict"] == "explained"
     assert len(said["effects"]) == len(NEWCOMERS)

@@ -193,6 +193,7 @@ def _changed(recordings: Sequence[Recording], times: float) -> tuple[Reference, 
     return reference, choose_actuation(reference.plays(_soft(recordings, times)))
 
 
+@pytest.mark.slow
 def test_a_habit_of_readings_is_in_both_campaigns_and_no_noise_of_their_difference(
     followed: tuple[Recording, ...],
 ) -> None:

@@ -145,6 +145,7 @@ def by_chance(rng: np.random.Generator, own: float, cycles: int, headings: tuple
     return cast(Motion, SimpleNamespace(tracks=tuple(tracks), noise=noise, unlike=0.0)), left
 
 
+@pytest.mark.slow
 def test_what_trials_laid_otherwise_differ_by_in_every_cycle_is_no_chance() -> None:
     rng = np.random.default_rng(2)
     assert sum(untold(*by_chance(rng, 0.0, cycles=3)) is not None for _ in range(100)) <= 3  # 1/3 % of 100

@@ -541,6 +541,7 @@ def test_noise_that_is_larger_than_it_was_taken_for_is_no_structure_of_readings(
     assert slow == pytest.approx(4, rel=0.15)  # of chance 1 / sqrt(400) of their product with noise
 
 
+@pytest.mark.slow
 def test_a_joint_with_play_that_rested_anywhere_in_its_gap_is_named_and_followed(tmp_path: Path) -> None:
     """Trials begin where the joint came to rest, not in the middle of its gap; to the markers that is no news."""
     width = 0.1

@@ -32,7 +32,6 @@ from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.trial_files import read_files
 from serpenoid.measure.write import write_motive
 
-pytestmark = pytest.mark.usefixtures("virtual_machine")
 TABLES = {
     "gait-1": serpenoid_table(40), "gait-2": serpenoid_table(40, a=4.0, xi=1.3),
     "gait-3": serpenoid_table(40, a=5.0, xi=0.8, turn=1.5),
@@ -40,7 +39,7 @@ TABLES = {
 
 
 @pytest.fixture(scope="module")
-def valid(tmp_path_factory, virtual_machine) -> Path:
+def valid(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("valid")
     lab = Laboratory(frames_per_second=30.0, lag_s=0.05)
     write_campaign(folder, snake(), TABLES, lab, 1, 0, cycle_duration_s=2.0, cycles=2, pause_s=1.0)

@@ -10,8 +10,6 @@ from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.schedule import Schedule
 
-pytestmark = pytest.mark.usefixtures("virtual_machine")
-
 
 def table(joints: int) -> np.ndarray:
     """A travelling wave about a bend: the body begins and ends at rest in it, away from its mean."""

@@ -87,6 +87,7 @@ def test_a_start_that_meets_all_demands_is_not_lost_by_the_easier_problem_withou
     assert found.cost < 0.36  # of standing still
 
 
+@pytest.mark.slow
 def test_where_all_starts_fail_a_gait_of_the_file_that_meets_the_demands_is_shown() -> None:
     solver = solver_of(problem(*WALLED))
     start = solver.family.sample(np.random.default_rng(0))
