@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from serpenoid.measure.trial import Motion, Passage, Trial
+from serpenoid.wording import some_of
 
 SHORTEST = 4  # rows of a piece
 ROUNDED = 1e-9  # of sums of seconds
@@ -56,12 +57,14 @@ def usage(trial: Trial) -> Usage:
 
 
 def said_once(notes: Iterable[tuple[str, Sequence[str]]]) -> list[str]:
-    """Every note of (trial, its notes), with the trials that it is about."""
+    """Every note of (trial, its notes), with the trials that it is about: `t00, t01: ...`, `all 16 trials: ...`."""
+    every: dict[str, None] = {}
     trials: dict[str, dict[str, None]] = {}
     for trial, own in notes:
+        every[trial] = None
         for note in own:
             trials.setdefault(note, {})[trial] = None
-    return [f"{', '.join(names)}: {note}" for note, names in trials.items()]
+    return [f"{some_of(list(names), list(every), 'trial')}: {note}" for note, names in trials.items()]
 
 
 def total(usages: Iterable[Usage]) -> Usage:
