@@ -108,6 +108,12 @@ def test_a_joint_that_bends_farther_to_one_side_is_asked_for_with_both_ends(
     assert "joint-limit: needs two numbers from -180 to 180, the lower one first" in capsys.readouterr().err
     path = new("robot", tmp_path / "servos.toml", "--problem", str(tmp_path / "mine.toml"))
     assert "# The body in mine.toml bends by 0 to 60 degrees" in path.read_text(encoding="utf-8")
+    robot = load_file(Robot, new("robot", tmp_path / "one-sided.toml", "--joint-limit=-20,60"))
+    low, high = np.degrees(robot.joint[0].angle_range)
+    assert (low, high) == (pytest.approx(-20, abs=0.1), pytest.approx(60, abs=0.1))  # a tick is 0.088 degrees
+    assert load_file(Robot, new("robot", tmp_path / "half.toml", "--joint-limit", "0,60")).joint[0].zero_ticks == 2048
+    assert main(["new", "robot", str(tmp_path / "bent.toml"), "--yes", "--joint-limit", "10,60"]) == 2
+    assert "must hold 0, where a joint is straight" in capsys.readouterr().err
 
 
 def test_limits_that_nobody_stated_are_said_to_be_assumed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
