@@ -260,6 +260,15 @@ def test_without_a_terminal_it_is_said_that_nothing_is_asked(tmp_path: Path, cap
     assert capsys.readouterr().err == ""
 
 
+def test_the_file_may_be_named_by_the_option_that_other_verbs_have(tmp_path: Path, capsys) -> None:
+    for kind in ("problem", "robot", "protocol", "campaign"):
+        path = tmp_path / kind / "campaign.toml"
+        assert main(["new", kind, "--yes", "--out", str(path)]) == 0
+        assert path.exists()
+    assert main(["new", "robot", "a.toml", "--yes", "--out", "b.toml"]) == 2
+    assert "FILE and --out name the same" in capsys.readouterr().err
+
+
 def test_no_file_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     path = new("problem", tmp_path / "mine.toml")
     before = path.read_text()
