@@ -94,7 +94,7 @@ def _length(kind: str, path: Path) -> list[str]:
     body = validate(Body, read_toml(path)["body"], str(path))
     if body.is_animal and body.edge_lengths is None and body.length_m is None:
         return []
-    odd = [f"warning: {body.odd_length}"] if body.odd_length else []
+    odd = [f"warning: {said}" for said in body.odd_units]
     return [f"The body is {body.total_length_m:.4g} m long, {counted(body.joint_count, 'joint')}.", *odd]
 
 
