@@ -311,7 +311,7 @@ def test_a_ladder_says_where_cycles_have_other_numbers_of_undulations() -> None:
     assert unlike_cycles(once) is None
     said = unlike_cycles([*once, step("Fourier", 0.3 * np.sin(phase) + np.sin(2 * phase))])
     assert said is not None
-    assert said.startswith("undulations in a cycle: 1 in ellipse and free table, 2 in Fourier; ")
+    assert said.startswith("undulations in a cycle: 1 in `ellipse` and `free table`, 2 in `Fourier`; ")
 
 
 def test_families_keep_bounds_of_their_own() -> None:

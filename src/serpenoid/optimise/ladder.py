@@ -22,6 +22,7 @@ from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
 from serpenoid.problem import Problem
 from serpenoid.status import Status
+from serpenoid.wording import listed
 
 ORDERS = (1, 2)
 FAMILIES = 4
@@ -54,7 +55,7 @@ def unlike_cycles(steps: Sequence[Step]) -> str | None:
         families.setdefault(step.undulations, []).append(step.name)
     if len(families) < 2:
         return None
-    counts = ", ".join(f"{number} in {' and '.join(names)}" for number, names in sorted(families.items()))
+    counts = ", ".join(f"{n} in {listed([f'`{name}`' for name in names])}" for n, names in sorted(families.items()))
     return f"undulations in a cycle: {counts}; who undulates more often may go farther per cycle, not per undulation"
 
 
