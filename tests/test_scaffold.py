@@ -99,6 +99,13 @@ def test_a_new_robot_file_fits_its_problem_and_passes_its_gait(tmp_path: Path) -
     assert check_table(simulate(problem).table, robot, 5.0, robot.nominal_V) == []
 
 
+def test_a_gait_at_the_limit_is_within_the_same_limit_of_a_new_robot_file(tmp_path: Path) -> None:
+    for limit in (50.0, 60.0, 72.3):
+        path = new("robot", tmp_path / f"{limit}.toml", "--joints", "3", "--joint-limit", str(limit))
+        robot, table = load_file(Robot, path), np.deg2rad(limit) * np.array([[1.0, 0, -1], [0, 0, 0], [-1, 0, 1]])
+        assert check_table(table, robot, 60.0, robot.nominal_V) == []
+
+
 def test_a_joint_that_bends_farther_to_one_side_is_asked_for_with_both_ends(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -181,7 +181,8 @@ def _check_positions(angles: NDArray[np.float64], ticks: NDArray[np.int64], robo
             value = f"angle {degrees(angles[step, j]):.1f} degrees ({ticks[step, j]} ticks)"
             limit = f"the limits are {low:.1f}..{high:.1f} degrees ({joint.minimum_ticks}..{joint.maximum_ticks} ticks)"
             outside = int((excess > 0).sum())
-            remedy = f"{counted(outside, 'step')} outside: bound the joints when optimising, or reduce the amplitude."
+            asked = "ask for `joint_limit_deg` in [body] when solving"
+            remedy = f"{counted(outside, 'step')} outside: {asked}, or reduce the amplitude."
             refusals.append(Refusal(f"{robot.joint_label(j)}, step {step}", value, limit, remedy))
     return refusals
 

@@ -184,7 +184,8 @@ action = "stop"              # or "slow", "warn"
 
 def _servo(number: int, servo_id: int, servo: ServoModel, answers: Answers) -> str:
     (low, high), centre = _sides(answers), servo.ticks_per_turn // 2
-    down, up = (max(1, int(radians(side) / servo.radians_per_tick)) for side in (-low, high))
+    # to the nearest tick, as angles are played: a gait that ends at the limit is within it
+    down, up = (max(1, round(radians(side) / servo.radians_per_tick)) for side in (-low, high))
     return f"""[[joint]]                    # joint_{number}
 id = {servo_id}
 sign = 1
