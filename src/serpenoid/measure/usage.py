@@ -58,13 +58,18 @@ def usage(trial: Trial) -> Usage:
 
 def said_once(notes: Iterable[tuple[str, Sequence[str]]]) -> list[str]:
     """Every note of (trial, its notes), with the trials that it is about: `t00, t01: ...`, `all 16 trials: ...`."""
-    every: dict[str, None] = {}
+    said = list(notes)
+    every = list(dict.fromkeys(trial for trial, _ in said))
+    return [f"{some_of(names, every, 'trial')}: {note}" for note, names in trials_of(said).items()]
+
+
+def trials_of(notes: Iterable[tuple[str, Sequence[str]]]) -> dict[str, list[str]]:
+    """The trials that each note is about, of (trial, its notes)."""
     trials: dict[str, dict[str, None]] = {}
     for trial, own in notes:
-        every[trial] = None
         for note in own:
             trials.setdefault(note, {})[trial] = None
-    return [f"{some_of(list(names), list(every), 'trial')}: {note}" for note, names in trials.items()]
+    return {note: list(names) for note, names in trials.items()}
 
 
 def total(usages: Iterable[Usage]) -> Usage:
