@@ -99,15 +99,31 @@ def test_a_new_robot_file_fits_its_problem_and_passes_its_gait(tmp_path: Path) -
     assert check_table(simulate(problem).table, robot, 5.0, robot.nominal_V) == []
 
 
+def test_a_gait_at_the_limit_is_within_the_same_limit_of_a_new_robot_file(tmp_path: Path) -> None:
+    for limit in (50.0, 60.0, 72.3):
+        path = new("robot", tmp_path / f"{limit}.toml", "--joints", "3", "--joint-limit", str(limit))
+        robot, table = load_file(Robot, path), np.deg2rad(limit) * np.array([[1.0, 0, -1], [0, 0, 0], [-1, 0, 1]])
+        assert check_table(table, robot, 60.0, robot.nominal_V) == []
+
+
 def test_a_joint_that_bends_farther_to_one_side_is_asked_for_with_both_ends(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     found = load(new("problem", tmp_path / "mine.toml", *SIX[:-1], "0,60"))
     assert found.joint_limit_deg == (0.0, 60.0)
+    with pytest.raises(SystemExit):
+        main(["new", "problem", str(tmp_path / "other.toml"), "--yes", "--joint-limit", "-20,60"])
+    assert "a value that begins with `-` is given as --joint-limit=VALUE" in capsys.readouterr().err
     assert main(["new", "problem", str(tmp_path / "other.toml"), "--yes", *SIX[:-1], "60,0"]) == 2
     assert "joint-limit: needs two numbers from -180 to 180, the lower one first" in capsys.readouterr().err
     path = new("robot", tmp_path / "servos.toml", "--problem", str(tmp_path / "mine.toml"))
     assert "# The body in mine.toml bends by 0 to 60 degrees" in path.read_text(encoding="utf-8")
+    robot = load_file(Robot, new("robot", tmp_path / "one-sided.toml", "--joint-limit=-20,60"))
+    low, high = np.degrees(robot.joint[0].angle_range)
+    assert (low, high) == (pytest.approx(-20, abs=0.1), pytest.approx(60, abs=0.1))  # a tick is 0.088 degrees
+    assert load_file(Robot, new("robot", tmp_path / "half.toml", "--joint-limit", "0,60")).joint[0].zero_ticks == 2048
+    assert main(["new", "robot", str(tmp_path / "bent.toml"), "--yes", "--joint-limit", "10,60"]) == 2
+    assert "must hold 0, where a joint is straight" in capsys.readouterr().err
 
 
 def test_limits_that_nobody_stated_are_said_to_be_assumed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -252,6 +268,15 @@ def test_without_a_terminal_it_is_said_that_nothing_is_asked(tmp_path: Path, cap
     assert "this is no terminal, so nothing is asked" in capsys.readouterr().err
     assert main(["new", "problem", str(tmp_path / "b.toml"), "--yes"]) == 0
     assert capsys.readouterr().err == ""
+
+
+def test_the_file_may_be_named_by_the_option_that_other_verbs_have(tmp_path: Path, capsys) -> None:
+    for kind in ("problem", "robot", "protocol", "campaign"):
+        path = tmp_path / kind / "campaign.toml"
+        assert main(["new", kind, "--yes", "--out", str(path)]) == 0
+        assert path.exists()
+    assert main(["new", "robot", "a.toml", "--yes", "--out", "b.toml"]) == 2
+    assert "FILE and --out name the same" in capsys.readouterr().err
 
 
 def test_no_file_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:

@@ -14,7 +14,7 @@ from pydantic import Field, field_validator, model_validator
 
 from serpenoid.errors import InputError
 from serpenoid.files.schema import Record
-from serpenoid.joint_range import JointLimit, misfit
+from serpenoid.joint_range import JointLimit, misfit, ranges_deg
 
 Positive = Annotated[float, Field(gt=0)]
 Floats = NDArray[np.float64]
@@ -29,6 +29,9 @@ PLAUSIBLE_M: dict[str | None, tuple[float, float]] = {
     "swimmer": (5e-6, 40.0), "crawler": (5e-5, 20.0), None: (5e-6, 40.0),
 }  # fmt: skip
 SMALLER = {"millimetres": 1e-3, "centimetres": 1e-2, "micrometres": 1e-6}  # the likeliest slip first
+# degrees, all joints at their limits to one side. Half a wave bends by 2 / pi of half of it, which tilts the body by
+# t = 4 degrees; drag that is five times as large sideways carries it by at most (5 - 1) t^2 / 2 = 1 % of a wave a cycle
+HARDLY_BENT = 25.0
 MOST_VERTICES = 1000  # compiling takes minutes beyond
 CUT = "Cut links into more edges (`vertices`, `joints`; n a link leave out 1 / n^2 of it)"
 WHOLE_LINKS = "every link is one edge"
@@ -127,6 +130,24 @@ class Body(Record):
         meant = next((unit for unit, metre in SMALLER.items() if low <= length * metre <= high), None)
         unit = f" Lengths are in metres: were they given in {meant}?" if length > high and meant else ""
         return f"the body is {length:.4g} m long, where {low:g} to {high:g} m is plausible.{unit}"
+
+    @property
+    def odd_limit(self) -> str | None:
+        """A sentence where joints bend so little that radians may be meant: see HARDLY_BENT."""
+        if self.joint_limit_deg is None:
+            return None
+        largest = np.abs(ranges_deg(self.joint_limit_deg, self.joint_count)).max(axis=1)
+        if largest.max() > np.pi or largest.sum() > HARDLY_BENT:
+            return None
+        return (
+            f"with `joint_limit_deg` as small as {largest.max():.4g} the whole body bends by no more than "
+            f"{largest.sum():.3g} degrees, and hardly moves. Angles are in degrees: was it given in radians?"
+        )
+
+    @property
+    def odd_units(self) -> tuple[str, ...]:
+        """What looks to be told in another unit, as sentences."""
+        return tuple(said for said in (self.odd_length, self.odd_limit) if said)
 
     @property
     def sparse_edges(self) -> str | None:

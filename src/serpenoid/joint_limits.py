@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from serpenoid.body import Floats
 from serpenoid.joint_range import Limit, limit_words, range_words, ranges_deg
+from serpenoid.table_file import header
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
@@ -93,9 +94,14 @@ def _angle_lines(problem: Problem, table: Floats) -> list[str]:
         return [f"joint limit       {words} SWITCHED OFF by `joint_limits`; joints reach {reach}"]
     worst = farthest(table, declared)
     if not worst.kept:
-        named = f"joint_{worst.joint + 1} reaches {worst.reach:.1f} degrees"
+        named = f"{_columns(problem, table)[worst.joint]} reaches {worst.reach:.1f} degrees"
         return [f"warning           {named}, its limit is {worst.limit}"]
     return [f"joint limit       {words}; joints reach {reach}"]
+
+
+def _columns(problem: Problem, table: Floats) -> list[str]:
+    """What the columns of a table are called: in space a joint has two."""
+    return header(table.shape[1], problem.lift is not None)
 
 
 def _speed_lines(problem: Problem, table: Floats) -> list[str]:
@@ -113,5 +119,6 @@ def _speed_lines(problem: Problem, table: Floats) -> list[str]:
     if problem.joint_speed_limit_rpm is None:
         return [f"joint speed       {declared:g} rpm SWITCHED OFF by `joint_speed_limits`; joints reach {speed:.1f}"]
     if speed > declared * (1 + KEPT):
-        return [f"warning           joint_{joint + 1} turns at {speed:.1f} rpm, its limit is {declared:g}"]
+        named = _columns(problem, table)[joint]
+        return [f"warning           {named} turns at {speed:.1f} rpm, its limit is {declared:g}"]
     return [f"joint speed       {declared:g} rpm; joints reach {speed:.1f}"]

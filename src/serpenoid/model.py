@@ -78,7 +78,7 @@ class Model:
     def remarks(self) -> tuple[str, ...]:
         """What its author may not expect, as sentences."""
         seen = [f"`{e.name}` changes what cameras record, not how the body moves" for e in self.observation_effects]
-        return (*(said for said in (self.body.odd_length, self.sparse_drag) if said), *self._odd_weights, *seen)
+        return (*([self.sparse_drag] if self.sparse_drag else []), *self._odd_weights, *seen)
 
     @property
     def where_drag_acts(self) -> str:

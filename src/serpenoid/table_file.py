@@ -1,4 +1,7 @@
-"""Joint tables as CSV files: header joint_1,...,joint_m; T rows of angles [rad]; after the last row the first again."""
+"""Joint tables as CSV files: header joint_1,...,joint_m; T rows of angles [rad]; after the last row the first again.
+
+In space a joint has two angles: header joint_1_yaw,...,joint_m_yaw,joint_1_pitch,...,joint_m_pitch.
+"""
 
 from __future__ import annotations
 
@@ -14,20 +17,31 @@ from serpenoid.files.writing import write_csv
 from serpenoid.wording import counted
 
 
-def header(joint_count: int) -> list[str]:
-    """Column names of a joint table."""
-    return [f"joint_{j + 1}" for j in range(joint_count)]
+def header(columns: int, in_space: bool = False) -> list[str]:
+    """Column names of a joint table: one of each joint, in space two."""
+    if in_space:
+        return [f"{name}_{way}" for way in ("yaw", "pitch") for name in header(columns // 2)]
+    return [f"joint_{j + 1}" for j in range(columns)]
 
 
 def write_table(path: str | Path, angles: Floats, in_space: bool = False) -> None:
     """Write a joint table, shape (T, m) [rad]; in space (T, 2 m), `joint_1_yaw,...,joint_m_yaw,joint_1_pitch,...`."""
-    m = angles.shape[1]
-    names = [f"{name}_{way}" for way in ("yaw", "pitch") for name in header(m // 2)] if in_space else header(m)
-    write_csv(path, names, angles.tolist())
+    write_csv(path, header(angles.shape[1], in_space), angles.tolist())
 
 
 def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
     """Read a joint table, shape (T, m) [rad]; raise InputError naming line and column of the first fault."""
+    angles, in_space = read_any_table(path, joint_count)
+    if in_space:
+        raise InputError(
+            f"{path}: has yaw and pitch of a gait in space, and one angle a joint is played here. For a robot of your "
+            "own with both, `serpenoid export RESULTS --format csv` without --robot checks and writes them."
+        )
+    return angles
+
+
+def read_any_table(path: str | Path, joint_count: int | None = None) -> tuple[Floats, bool]:
+    """The same, also of a gait in space, shape (T, 2 m) [rad]; whether it is one."""
     lines = [(line, row) for line, row in enumerate(csv_rows(read_text(path), path), start=1) if row]
     head = [cell.strip() for cell in lines[0][1]] if lines else []
     m = joint_count or len(head) or 2
@@ -37,25 +51,26 @@ def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
         raise InputError(
             f"{path}: is empty. A joint table has a header joint_1,joint_2,... and a row of radians a step."
         )
-    if head[0] == "joint_1_yaw":
-        raise InputError(f"{path}: has yaw and pitch of a gait in space; tables to play have one angle a joint.")
-    if head != header(m):
+    in_space = head[0] == "joint_1_yaw"
+    m = len(head) if in_space else m
+    if head != header(m, in_space):
         names = ",".join(header(min(m, 3))) + (",..." if m > 3 else "")
         raise InputError(f"{path}: the header must be {names} with {counted(m, 'joint')}, got {','.join(head)[:60]!r}.")
     if len(lines) < 4:
         raise InputError(f"{path}: a gait needs at least 3 rows, got {len(lines) - 1}.")
-    return np.array([_numbers(path, line, row, m) for line, row in lines[1:]])
+    return np.array([_numbers(path, line, row, head) for line, row in lines[1:]]), in_space
 
 
-def _numbers(path: str | Path, line: int, row: list[str], m: int) -> list[float]:
-    if len(row) != m:
-        raise InputError(f"{path}:{line}: needs {counted(m, 'number')}, got {len(row)}. Was the file cut short?")
+def _numbers(path: str | Path, line: int, row: list[str], names: list[str]) -> list[float]:
+    if len(row) != len(names):
+        wanted = counted(len(names), "number")
+        raise InputError(f"{path}:{line}: needs {wanted}, got {len(row)}. Was the file cut short?")
     values = []
-    for column, cell in enumerate(row, start=1):
+    for name, cell in zip(names, row, strict=True):
         value = number(cell)
         if value is None:
-            raise InputError(f"{path}:{line}: joint_{column} is {cell[:40]!r}, not a number.")
+            raise InputError(f"{path}:{line}: {name} is {cell[:40]!r}, not a number.")
         if abs(value) > math.pi:
-            raise InputError(f"{path}:{line}: joint_{column} must be within +-pi rad, got {cell}. Are these degrees?")
+            raise InputError(f"{path}:{line}: {name} must be within +-pi rad, got {cell}. Are these degrees?")
         values.append(value)
     return values

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+FEW = 4  # names that are read at a glance
 OTHER_LAW = "may stand for another law of the floor or the water"  # ends what it says of names that mend one
 NOT_NAMED = "not named, as "  # begins what a diagnosis says of effects that it tried and refused
 
@@ -12,6 +13,18 @@ def listed(words: Sequence[str]) -> str:
     """`one`, `one and another`, `one, another and a third`."""
     *first, last = words
     return f"{', '.join(first)} and {last}" if first else last
+
+
+def some_of(names: Sequence[str], every: Sequence[str], noun: str) -> str:
+    """Which of all they are, in a few names: `a, b`, `all 16 trials`, `all 16 trials but a`, `a, b, c and 6 others`."""
+    rest = [name for name in every if name not in names]
+    if not rest and len(names) > 2:
+        return f"all {counted(len(names), noun)}"
+    if len(names) <= FEW:
+        return ", ".join(names)
+    if len(rest) < FEW:
+        return f"all {counted(len(every), noun)} but {listed(rest)}"
+    return f"{', '.join(names[: FEW - 1])} and {len(names) - FEW + 1} others"
 
 
 def counted(number: int, noun: str) -> str:

@@ -36,3 +36,15 @@ def test_a_body_at_rest_is_told_however_poorly_one_passage_is_seen(poor):
 def test_a_note_is_said_once_with_its_trials():
     trials = [("a", ("gap", "late")), ("b", ("gap",)), ("c", ())]
     assert said_once(trials) == ["a, b: gap", "a: late"]
+
+
+def test_trials_of_a_note_are_named_while_they_are_few():
+    every = [f"t{k:02d}" for k in range(16)]
+
+    def about(*numbers):
+        return said_once((name, ["gap"] * (k in numbers)) for k, name in enumerate(every))
+
+    assert about(0, 3, 5, 9) == ["t00, t03, t05, t09: gap"]
+    assert about(*range(1, 10)) == ["t01, t02, t03 and 6 others: gap"]
+    assert about(*range(16)) == ["all 16 trials: gap"]
+    assert about(*range(2, 16)) == ["all 16 trials but t00 and t01: gap"]

@@ -54,7 +54,7 @@ def test_measure_says_of_all_trials_at_once_what_they_share(folder, tmp_path, ca
     assert main(["measure", str(tmp_path / "c"), "--out", str(tmp_path / "out"), "--no-figures"]) == 0
     said = capsys.readouterr().out
     assert said.count("shorter in the film, other links are as said") == 1
-    assert said.index("note              all trials: from `") < said.index("A-c0.5-1")
+    assert said.index("note              all 4 trials: from `") < said.index("A-c0.5-1")
     record = json.loads((tmp_path / "out" / "campaign.json").read_text())
     assert all("shorter in the film" in "".join(trial["notes"]) for trial in record["trials"])
 

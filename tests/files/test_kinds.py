@@ -71,6 +71,28 @@ def test_a_robot_of_580_metres_is_asked_whether_it_was_measured_in_millimetres(
     assert "plausible" not in capsys.readouterr().out
 
 
+def test_limits_that_may_be_radians_are_asked_about_before_the_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "r.toml"
+    assert main(["new", "problem", str(path), "--joints", "3", "--joint-limit", "1.2", "--yes"]) == 0
+    assert "was it given in radians?" in capsys.readouterr().out
+    words = ["--quiet", "--no-figures", "--out", str(tmp_path / "out"), "--set", "body.length_m=600"]
+    rest = "[medium]\nanisotropy_ratio = 0.2\n[gait]\n"
+    path.write_text(f"[body]\nvertices = 5\njoint_limit_deg = [-1.2, 1.0]\n{rest}", encoding="utf-8")
+    assert main(["simulate", str(path), *words]) == 0
+    said = capsys.readouterr().err
+    assert "`joint_limit_deg` as small as 1.2 the whole body bends by no more than 3.6 degrees" in said
+    assert "the body is 600 m long" in said
+    assert "were they given in millimetres?" in said
+
+
+@pytest.mark.parametrize("limit", [None, 10.0, (0.0, 5.0)])
+def test_small_limits_that_are_no_radians_raise_no_question(limit: float | tuple[float, float] | None) -> None:
+    assert Body(vertices=4, joint_limit_deg=limit).odd_limit is None
+    assert Body(vertices=40, joint_limit_deg=1.5).odd_limit is None  # 38 joints
+
+
 @pytest.mark.parametrize(("kind", "metres"), [("crawler", 1e-3), ("swimmer", 5e-5), ("swimmer", 30.0), (None, 1.0)])
 def test_nematodes_sperm_whales_and_robots_raise_no_question(kind: str | None, metres: float) -> None:
     assert Body(kind=kind, vertices=5, length_m=metres).odd_length is None

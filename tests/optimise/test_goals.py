@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from types import SimpleNamespace
 from typing import ClassVar, Literal
 
 import casadi as ca
@@ -25,7 +26,7 @@ from serpenoid.optimise.asked import asked as criteria_of
 from serpenoid.optimise.between import Between, GapField
 from serpenoid.optimise.clearance import RESOLUTION, clearance
 from serpenoid.optimise.easier import Easier, easier
-from serpenoid.optimise.ladder import FAMILIES, climb
+from serpenoid.optimise.ladder import FAMILIES, Step, climb, unlike_cycles
 from serpenoid.optimise.outcomes import fine_clear_of_obstacles
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
@@ -298,6 +299,19 @@ def test_each_step_up_the_ladder_is_at_least_as_good_and_dissipates_no_more() ->
     assert (np.diff(costs) <= 1e-8).all()
     spent = [s.solution.trajectory.dissipation for s in steps]
     assert max(spent) <= spent[0] + 1e-8
+
+
+def test_a_ladder_says_where_cycles_have_other_numbers_of_undulations() -> None:
+    phase = 2 * np.pi * (np.arange(40) / 40)[:, None] + np.array([0.0, 1.0, 2.0])
+
+    def step(name: str, table: np.ndarray) -> Step:
+        return Step(name, SimpleNamespace(table=table))  # type: ignore[arg-type]
+
+    once = step("ellipse", np.sin(phase)), step("free table", np.sin(phase) + 0.4 * np.sin(2 * phase))
+    assert unlike_cycles(once) is None
+    said = unlike_cycles([*once, step("Fourier", 0.3 * np.sin(phase) + np.sin(2 * phase))])
+    assert said is not None
+    assert said.startswith("undulations in a cycle: 1 in `ellipse` and `free table`, 2 in `Fourier`; ")
 
 
 def test_families_keep_bounds_of_their_own() -> None:

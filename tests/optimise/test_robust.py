@@ -147,6 +147,15 @@ def test_derivatives_of_all_cases_together_are_those_of_differences(robust: str)
         np.testing.assert_allclose(bend, hessian @ way, rtol=1e-5, atol=1e-5)
 
 
+@pytest.mark.parametrize("robust", [WORST, MEAN])
+def test_a_robust_search_watches_whether_the_body_of_its_first_case_stands(robust: str) -> None:
+    solver = RobustSolver(problem("reference-optimum", "body.vertices=4", "task.steps=4", robust))
+    _, ipopt = solver.prepared(solver.first())
+    q = solver.own_start()
+    first = solver.each[0].simulate(q).poses[1:].ravel()
+    np.testing.assert_array_equal(solver.start(q)[: ipopt._callback.poses], first)
+
+
 MODEL = '[medium]\nanisotropy_ratio = 0.2\n\n[[effects]]\nname = "gain_loss"\nplace = 2\nloss = 0.3\n'
 
 

@@ -39,6 +39,20 @@ def test_an_exported_table_keeps_what_its_results_state_of_it(tmp_path, out):
     assert (done.returncode, "--cycle-duration must be above 0" in done.stderr) == (2, True)
 
 
+def test_a_gait_in_space_is_exported_as_csv_alone(tmp_path):
+    write_table(tmp_path / "joint_table.csv", 0.1 * gait(), in_space=True)
+    words = ["export", tmp_path, "--out", tmp_path / "out", "--format"]
+    assert serpenoid(*words, "csv").returncode == 0
+    again = read_table(tmp_path / "out", any_table=True)
+    assert np.array_equal(again.angles, 0.1 * gait())
+    assert (again.columns[0], again.columns[-1], again.joints) == ("joint_1_yaw", "joint_5_pitch", 5)
+    done = serpenoid(*words, "ros2", "--cycle-duration", 5)
+    assert (done.returncode, "`serpenoid export RESULTS --format csv` without" in done.stderr) == (2, True)
+    (tmp_path / "solution.json").write_text('{"body": {"joint_limit_deg": 0.5}}')
+    done = serpenoid(*words, "csv", "--force")
+    assert (done.returncode, "_yaw, step" in done.stderr or "_pitch, step" in done.stderr) == (1, True)
+
+
 def test_formats_that_need_a_robot_or_a_duration_say_so(tmp_path):
     done = export(tmp_path, "openrb")
     assert (done.returncode, "needs --robot FILE" in done.stderr) == (2, True)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def climb_ladder(args: argparse.Namespace, problem: Problem) -> int:
     """Climb, write a folder per family, report."""
     from serpenoid.files.writing import write_json
-    from serpenoid.optimise.ladder import FAMILIES, climb
+    from serpenoid.optimise.ladder import FAMILIES, climb, unlike_cycles
     from serpenoid.results import default_folder, write_solution
 
     folder = options.output_folder(
@@ -32,7 +32,8 @@ def climb_ladder(args: argparse.Namespace, problem: Problem) -> int:
         write_solution(folder / f"{number}-{step.solution.gait.family}", step.solution, figures)
     rows = [
         {"family": s.name, "displacement_body_lengths": s.solution.trajectory.displacement, "cost": s.solution.cost,
-         "dissipation": s.solution.trajectory.dissipation, "status": s.solution.status.name.lower()}
+         "dissipation": s.solution.trajectory.dissipation, "undulations_per_cycle": s.undulations if s.ok else None,
+         "status": s.solution.status.name.lower()}
         for s in steps
     ]  # fmt: skip
     write_json(folder / "ladder.json", {"kind": "ladder", "problem": problem.name, "steps": rows})
@@ -46,6 +47,8 @@ def climb_ladder(args: argparse.Namespace, problem: Problem) -> int:
         f"{r['family']:20}{r['displacement_body_lengths']:10.4f} body lengths{r['dissipation']:10.4f}  {r['status']}"
         for r in rows
     ]
+    unlike = unlike_cycles(good)
+    lines += [] if unlike is None else [f"note: {unlike}"]
     options.report(args, rows, [*lines, f"written to {folder}"], folder)
     if interrupts.noted:
         options.complain(f"stopped after {len(steps)} of {FAMILIES} families; they are in {folder}")

@@ -1,7 +1,8 @@
 """Write a gait for the robot.
 
 RESULTS is a results folder or a joint-table CSV. Formats:
-  csv      joint_table.csv, radians; joint_table.json: what `play` must know of it (a transient? limits, duration)
+  csv      joint_table.csv, radians; joint_table.json: what `play` must know of it (a transient? limits, duration).
+           Of a gait in space ([lift]), which the other formats do not know: yaw of every joint, then pitch
   ticks    ticks.csv, servo positions as --robot maps them
   openrb   an Arduino sketch for the OpenRB-150 that plays the gait without a computer (library Dynamixel2Arduino)
   ros2     JointTrajectory as MCAP and as YAML for joint_trajectory_controller
@@ -100,13 +101,13 @@ def _load(args: argparse.Namespace) -> tuple[JointTable, Robot | None, list[Refu
         robot = load_robot(args)
         table, refusals = checked_table(args, robot)
         return table, robot, refusals
-    table = read_table(args.results)
+    table = read_table(args.results, any_table=args.format == "csv")
     return table, None, check_finite(table.angles) or body_refusals(args, table, told_duration(args, table))
 
 
 def _csv(args: argparse.Namespace, table: JointTable, _: Robot | None, folder: Path) -> None:
     file = folder / "joint_table.csv"
-    write_table(file, table.angles)
+    write_table(file, table.angles, table.in_space)
     stated = table.stated.model_copy(update={"cycle_duration_s": told_duration(args, table)})
     write_json(own_record(file), stated.model_dump(mode="json"))
 

@@ -12,10 +12,12 @@ import errno
 import importlib
 import io
 import os
+import re
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from typing import NoReturn
 
 import serpenoid
 from serpenoid import interrupts
@@ -49,9 +51,18 @@ VERBS: dict[str, str] = {
 EPILOG = "Every verb explains itself: serpenoid VERB --help."
 
 
+class _Parser(argparse.ArgumentParser):
+    """Says what to write where a value looks like an option."""
+
+    def error(self, message: str) -> NoReturn:
+        option = re.match(r"argument (--[\w-]+)\S*: expected one argument", message)
+        said = "" if option is None else f"; a value that begins with `-` is given as {option[1]}=VALUE"
+        super().error(message + said)
+
+
 def build_parser(*complete: str | None) -> argparse.ArgumentParser:
     """The parser; only the modules of the named verbs are imported, so `--help` stays quick."""
-    parser = argparse.ArgumentParser(prog="serpenoid", description=serpenoid.__doc__, epilog=EPILOG)
+    parser = _Parser(prog="serpenoid", description=serpenoid.__doc__, epilog=EPILOG)
     parser.add_argument("--version", action="version", version=f"serpenoid {serpenoid.__version__}")
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
     for name, help_line in VERBS.items():

@@ -81,12 +81,12 @@ def made_up(campaign: str | Path) -> list[str]:
 
 def shared_notes(trials: Sequence[Trial]) -> dict[str, str]:
     """What is noted of several trials, each with their names: said once, before all of them."""
-    of: dict[str, list[str]] = {}
-    for trial in trials:
-        for note in dict.fromkeys(trial.notes):
-            of.setdefault(note, []).append(trial.name)
-    every = len(trials)
-    return {note: "all trials" if len(who) == every else ", ".join(who) for note, who in of.items() if len(who) > 1}
+    from serpenoid.measure.usage import trials_of
+    from serpenoid.wording import some_of
+
+    every = [trial.name for trial in trials]
+    of = trials_of((trial.name, trial.notes) for trial in trials)
+    return {note: some_of(who, every, "trial") for note, who in of.items() if len(who) > 1}
 
 
 def trial_lines(trial: Trial, said: Container[str] = ()) -> list[str]:

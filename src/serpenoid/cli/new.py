@@ -32,7 +32,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     kinds = parser.add_subparsers(dest="file", metavar="KIND", required=True)
     for kind, template in TEMPLATES.items():
         sub = kinds.add_parser(kind, help=f"a {kind} file", description=f"Write a {kind} file.")
-        sub.add_argument("path", nargs="?", type=Path, default=Path(template.default_path), metavar="FILE")
+        what = "folder to write into, or the file in it" if kind == "campaign" else "file to write"
+        words = f"the {what} (default {template.default_path})"
+        sub.add_argument("path", nargs="?", type=Path, metavar="FILE", help=words)
+        sub.add_argument("--out", type=Path, metavar="FILE", help="the same, as other verbs have it")
         for question in template.questions:
             sub.add_argument(f"--{question.name}", metavar=question.name.upper(), help=question.help)
         sub.add_argument("--yes", action="store_true", help="ask nothing: the defaults, where no option answers")
@@ -42,7 +45,10 @@ def run(args: argparse.Namespace) -> int:
     """Ask, write, say what to try."""
     from serpenoid.scaffold import TEMPLATES
 
-    template, path = TEMPLATES[args.file], args.path
+    template = TEMPLATES[args.file]
+    if args.path is not None and args.out is not None:
+        raise InputError(f"FILE and --out name the same, got {args.path} and {args.out}. Leave one of them out.")
+    path = args.path or args.out or Path(template.default_path)
     if args.file == "campaign" and path.suffix != ".toml":
         path = path / "campaign.toml"
     _check_name(path.absolute().parent.name if args.file == "campaign" else path.stem)
@@ -88,7 +94,7 @@ def _length(kind: str, path: Path) -> list[str]:
     body = validate(Body, read_toml(path)["body"], str(path))
     if body.is_animal and body.edge_lengths is None and body.length_m is None:
         return []
-    odd = [f"warning: {body.odd_length}"] if body.odd_length else []
+    odd = [f"warning: {said}" for said in body.odd_units]
     return [f"The body is {body.total_length_m:.4g} m long, {counted(body.joint_count, 'joint')}.", *odd]
 
 

@@ -142,9 +142,14 @@ def complain(message: str) -> None:
 
 
 def warn_of_problem(problem: Problem) -> None:
-    """Sentences on standard error, with --quiet too: another body than the file's, a speed limit that cannot hold."""
+    """Sentences on standard error before the work, with --quiet too.
+
+    They are of another body than the file's, of numbers that may be in another unit, of a speed limit that cannot hold.
+    """
     if problem.body_note is not None:
         complain(f"{problem.body_note}.")
+    for said in problem.body.odd_units:
+        complain(f"warning: {said}")
     if problem.joint_speed_limit_rpm is not None and problem.task.cycle_duration_s is None:
         complain(
             f"joint_speed_limit_rpm = {problem.joint_speed_limit_rpm:g} does not hold: without `cycle_duration_s` in "

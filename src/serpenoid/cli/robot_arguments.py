@@ -91,7 +91,7 @@ def body_refusals(args: argparse.Namespace, table: JointTable, duration: float |
     if args.no_joint_limits:
         warn("--no-joint-limits: the limits of the results' body are not held")
         return repeated
-    return repeated + check_body(table.angles, stated, duration)
+    return repeated + check_body(table.angles, stated, duration, table.columns)
 
 
 def add_widen(parser: argparse.ArgumentParser) -> None:

@@ -8,7 +8,7 @@ more than the ellipse's optimum does.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,7 @@ from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
 from serpenoid.problem import Problem
 from serpenoid.status import Status
+from serpenoid.wording import listed
 
 ORDERS = (1, 2)
 FAMILIES = 4
@@ -39,6 +40,23 @@ class Step:
     def ok(self) -> bool:
         """Whether it is an optimum."""
         return self.solution.status.ok
+
+    @property
+    def undulations(self) -> int:
+        """How often the body undulates in a cycle: the harmonic of the joint table (T, m) that moves joints most."""
+        moving = np.abs(np.fft.rfft(self.solution.table, axis=0))[1:]
+        return 1 + int(np.square(moving).sum(axis=1).argmax())
+
+
+def unlike_cycles(steps: Sequence[Step]) -> str | None:
+    """A sentence where cycles of some optima have more undulations than those of others; None: all have as many."""
+    families: dict[int, list[str]] = {}
+    for step in steps:
+        families.setdefault(step.undulations, []).append(step.name)
+    if len(families) < 2:
+        return None
+    counts = ", ".join(f"{n} in {listed([f'`{name}`' for name in names])}" for n, names in sorted(families.items()))
+    return f"undulations in a cycle: {counts}; who undulates more often may go farther per cycle, not per undulation"
 
 
 def climb(problem: Problem, starts: int = 12, seed: int = 0, progress: Progress | None = None) -> tuple[Step, ...]:

@@ -116,7 +116,9 @@ class RobustSolver(GaitSolver):
             parts = self._parts(len(carried.rows), penalised)
             weights = None if self.over == "worst" else np.array([case.weight for case in self.cases])
             nlp = RobustNLP(parts, weights)
-            self._prepared[key] = nlp, Ipopt(nlp, self._kept(nlp, len(carried.rows)))  # type: ignore[index, assignment]
+            poses = self.family.pose_size * self.steps  # of the first case: where the gait is still, all cases stand
+            ipopt = Ipopt(nlp, self._kept(nlp, len(carried.rows)), poses=poses)
+            self._prepared[key] = nlp, ipopt  # type: ignore[index, assignment]
         return self._prepared[key]  # type: ignore[index, return-value]
 
     def _parts(self, rows: int, penalised: bool) -> list[GaitNLP]:

@@ -5,6 +5,7 @@ Legend: T steps, m joints, K path rows, q gait parameters (n,).
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -23,6 +24,8 @@ from serpenoid.optimise.motions import GaitBounds
 from serpenoid.optimise.prepared import Carried, PreparedNLPs
 from serpenoid.problem import Problem
 from serpenoid.status import Status
+
+log = logging.getLogger(__name__)
 
 EXCHANGES = 16  # of limit rows and watched points, and recoveries
 LAST = 2  # of them: all rows carry limits, which no phase of a gait can slip through
@@ -134,6 +137,7 @@ class GaitSolver(PreparedNLPs):
                 again = self._spread(q, gait_bounds)
             if again is not None and recoveries:
                 recoveries, current = recoveries - 1, again
+                log.info("%s after %d iterations: the search begins again", outcome.ipopt_status, outcome.iterations)
                 continue
             if again is not None or not outcome.status.ok or self._rough:
                 break

@@ -5,6 +5,7 @@ T: steps, m: joints; a table has T rows where it is closed, and T + 1 where it i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import ceil, degrees, tau
 
@@ -17,6 +18,7 @@ from serpenoid.robot.description import Robot
 from serpenoid.robot.plan import read_time_s, row_speeds_rpm, write_time_s
 from serpenoid.robot.stated import Stated
 from serpenoid.robot.ticks import coarsest_tick, to_ticks
+from serpenoid.table_file import header
 from serpenoid.wording import counted
 
 BUS_SHARE = 0.9  # of a row's time that its packets may take
@@ -69,25 +71,31 @@ def check_given(angles: NDArray[np.float64], robot: Robot) -> list[Refusal]:
     return _check_shape(angles, robot) or check_finite(angles)
 
 
-def check_body(angles: NDArray[np.float64], stated: Stated, cycle_duration_s: float | None) -> list[Refusal]:
-    """What the body of the results allows its joints: table `angles` [rad], in a cycle of that duration if known."""
-    refusals = [] if stated.joint_limit_deg is None else _check_body_angles(angles, stated.joint_limit_deg)
+def check_body(
+    angles: NDArray[np.float64], stated: Stated, cycle_duration_s: float | None, columns: Sequence[str] | None = None
+) -> list[Refusal]:
+    """What the body of the results allows its joints: table `angles` [rad], in a cycle of that duration if known.
+
+    columns: what its columns are called, by default joint_1, joint_2, ...
+    """
+    names, allowed = columns or header(angles.shape[1]), stated.joint_limit_deg
+    refusals = [] if allowed is None else _check_body_angles(angles, allowed, names)
     joint, turns = turns_per_cycle(angles, closed=not stated.transient)
     limit = stated.joint_speed_limit_rpm
     if limit is None or cycle_duration_s is None or turns * 60 / cycle_duration_s <= limit * (1 + KEPT):
         return refusals
     value = f"speed {_beyond(turns * 60 / cycle_duration_s, limit)} rpm in a cycle of {cycle_duration_s:g} s"
     limit_words, shortest = f"the body's limit is {limit:g} rpm", _up(turns * 60 / limit)
-    return [*refusals, Refusal(f"joint_{joint + 1}", value, limit_words, "say --no-joint-limits", shortest)]
+    return [*refusals, Refusal(names[joint], value, limit_words, "say --no-joint-limits", shortest)]
 
 
-def _check_body_angles(angles: NDArray[np.float64], limit: Limit) -> list[Refusal]:
+def _check_body_angles(angles: NDArray[np.float64], limit: Limit, names: Sequence[str]) -> list[Refusal]:
     if (said := misfit(limit, angles.shape[1])) is not None:
         return [Refusal("all joints, all steps", "the table and the body's limits do not fit", said, "Solve again.")]
     worst = farthest(angles, limit)
     if worst.kept:
         return []
-    where, value = f"joint_{worst.joint + 1}, step {worst.step}", worst.reach
+    where, value = f"{names[worst.joint]}, step {worst.step}", worst.reach
     shown = _beyond(value, worst.upper if value > worst.upper else worst.lower)
     remedy = "Solve with this limit, or say --no-joint-limits: the robot file's limits then hold alone."
     return [Refusal(where, f"angle {shown} degrees", f"the body's limit is {worst.limit} degrees", remedy)]
@@ -173,7 +181,8 @@ def _check_positions(angles: NDArray[np.float64], ticks: NDArray[np.int64], robo
             value = f"angle {degrees(angles[step, j]):.1f} degrees ({ticks[step, j]} ticks)"
             limit = f"the limits are {low:.1f}..{high:.1f} degrees ({joint.minimum_ticks}..{joint.maximum_ticks} ticks)"
             outside = int((excess > 0).sum())
-            remedy = f"{counted(outside, 'step')} outside: bound the joints when optimising, or reduce the amplitude."
+            asked = "ask for `joint_limit_deg` in [body] when solving"
+            remedy = f"{counted(outside, 'step')} outside: {asked}, or reduce the amplitude."
             refusals.append(Refusal(f"{robot.joint_label(j)}, step {step}", value, limit, remedy))
     return refusals
 

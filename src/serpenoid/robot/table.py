@@ -18,11 +18,15 @@ from serpenoid.robot.stated import Stated, read_stated
 
 @dataclass(frozen=True)
 class JointTable:
-    """T: steps, m: joints; `angles` (T, m) [rad], of a transient (T + 1, m); `stated`: what the results say of them."""
+    """T: steps, m: joints; `angles` (T, m) [rad], of a transient (T + 1, m); `stated`: what the results say of them.
+
+    in_space: a joint has yaw and pitch, `angles` 2 m columns; such a table is written, not played.
+    """
 
     angles: NDArray[np.float64]
     source: Path
     stated: Stated = Stated()
+    in_space: bool = False
 
     @property
     def steps(self) -> int:
@@ -34,19 +38,28 @@ class JointTable:
 
     @property
     def joints(self) -> int:
-        return self.angles.shape[1]
+        return self.angles.shape[1] // (2 if self.in_space else 1)
+
+    @property
+    def columns(self) -> list[str]:
+        """What each column of `angles` is called."""
+        return table_file.header(self.angles.shape[1], self.in_space)
 
 
-def read_table(path: str | Path) -> JointTable:
-    """Read a results folder or a joint-table CSV; raise InputError naming line and column of the first bad cell."""
+def read_table(path: str | Path, any_table: bool = False) -> JointTable:
+    """Read a results folder or a joint-table CSV; raise InputError naming line and column of the first bad cell.
+
+    any_table: also one of yaw and pitch, which no robot file maps to servos.
+    """
     path = Path(path)
     file = path / "joint_table.csv" if path.is_dir() else path
     if not file.exists():
         remedy = "Name a results folder (with joint_table.csv in it) or a joint-table CSV."
         raise InputError(f"{file}: no such file. {remedy}")
-    return JointTable(table_file.read_table(file), file, read_stated(file))
+    angles, in_space = table_file.read_any_table(file) if any_table else (table_file.read_table(file), False)
+    return JointTable(angles, file, read_stated(file), in_space)
 
 
-def write_table(path: str | Path, angles: NDArray[np.float64]) -> None:
-    """Write angles (T, m) [rad] with the header joint_1,...,joint_m."""
-    table_file.write_table(path, angles)
+def write_table(path: str | Path, angles: NDArray[np.float64], in_space: bool = False) -> None:
+    """Write angles (T, m) [rad] with the header joint_1,...,joint_m; in space (T, 2 m), all yaws, then all pitches."""
+    table_file.write_table(path, angles, in_space)

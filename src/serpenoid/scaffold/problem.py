@@ -18,7 +18,18 @@ from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
 from serpenoid.joint_range import LARGEST
 from serpenoid.scaffold.json_schema import write_schema
-from serpenoid.scaffold.questions import Answers, Question, Template, number, numbers, one_of, or_empty, whole
+from serpenoid.scaffold.questions import (
+    ONE_SIDED,
+    Answers,
+    Question,
+    Template,
+    joint_limit,
+    number,
+    numbers,
+    one_of,
+    or_empty,
+    whole,
+)
 
 KINDS = get_args(Kind)
 JOINTS = 6  # where nothing is said
@@ -26,19 +37,6 @@ POINTS = 21  # along an animal: drag in the middles of its edges leaves out 1/40
 PIECES = 4  # a link: drag in their middles leaves out 1/16 of what resists its own turning
 LENGTH, DURATION = "0.6", "5"  # of a robot, where nothing is said
 UNKNOWN = dict.fromkeys(ANIMALS, "")
-
-
-def joint_limit(text: str) -> float | tuple[float, float]:
-    """Degrees to either side, or from and to."""
-    if "," not in text:
-        return number(0, LARGEST)(text)
-    try:
-        low, high = map(float, text.split(","))
-    except ValueError:
-        raise ValueError("needs a number, or two with a comma between") from None
-    if not -LARGEST <= low < high <= LARGEST:
-        raise ValueError(f"needs two numbers from -{LARGEST:g} to {LARGEST:g}, the lower one first")
-    return low, high
 
 
 QUESTIONS = (
@@ -67,9 +65,9 @@ QUESTIONS = (
     Question("mass", "Mass in kilograms", "0.9", number(0, 1e4), of_robots=True),
     Question(
         "joint-limit",
-        "How far may a joint bend, in degrees (to one side farther: lower,upper)?",
+        f"How far may a joint bend, in degrees ({ONE_SIDED})?",
         "60",
-        joint_limit,
+        joint_limit(LARGEST),
         of_robots=True,
     ),
     Question("cycle-duration", "Seconds per cycle", DURATION, or_empty(number(0, 600)), animals=UNKNOWN),

@@ -11,6 +11,7 @@ from serpenoid.body import ANIMALS
 from serpenoid.errors import InputError
 
 Answers = Mapping[str, Any]
+ONE_SIDED = "to one side farther: lower,upper, as --joint-limit=-20,60"
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,23 @@ def number(low: float, high: float) -> Callable[[str], float]:
         if not low < value <= high:
             raise ValueError(f"needs a number above {low:g} and at most {high:g}")
         return value
+
+    return read
+
+
+def joint_limit(most: float) -> Callable[[str], float | tuple[float, float]]:
+    """Degrees to either side, or from and to."""
+
+    def read(text: str) -> float | tuple[float, float]:
+        if "," not in text:
+            return number(0, most)(text)
+        try:
+            low, high = map(float, text.split(","))
+        except ValueError:
+            raise ValueError("needs a number, or two with a comma between") from None
+        if not -most <= low < high <= most:
+            raise ValueError(f"needs two numbers from -{most:g} to {most:g}, the lower one first")
+        return high if low == -high else (low, high)
 
     return read
 

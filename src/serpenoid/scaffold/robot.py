@@ -9,10 +9,20 @@ from typing import TYPE_CHECKING
 
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
-from serpenoid.joint_range import limit_words
+from serpenoid.joint_range import limit_words, range_words
 from serpenoid.robot.models import DEFAULT, ServoModel, models
 from serpenoid.scaffold.json_schema import write_schema
-from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, one_of, whole
+from serpenoid.scaffold.questions import (
+    ONE_SIDED,
+    Answers,
+    Question,
+    Template,
+    existing,
+    joint_limit,
+    number,
+    one_of,
+    whole,
+)
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
@@ -47,7 +57,9 @@ QUESTIONS = (
     Question("joints", "How many joints (where no problem file is given)?", "6", whole(1, 60), "problem"),
     Question("model", f"Servo model ({', '.join(models())})", DEFAULT, one_of(*models())),
     Question("ids", "Servo IDs, tail to head, with commas (empty: 1, 2, 3 ...)", "", _ids),
-    Question("joint-limit", "How far may the mechanics bend a joint, in degrees?", "80", number(0, 175)),
+    Question(
+        "joint-limit", f"How far may the mechanics bend a joint, in degrees ({ONE_SIDED})?", "80", joint_limit(175)
+    ),
     Question("speed-limit", f"How fast may a joint turn, in rpm ({USUAL}: 0.7 of its no-load speed)?", USUAL, _speed),
     Question("baud-rate", "Baud rate of the servos", "1000000", _baud_rate),
 )
@@ -60,6 +72,12 @@ def write(path: Path, answers: Answers) -> str:
     ids = answers["ids"] or tuple(range(1, joints + 1))
     if len(ids) != joints:
         raise InputError(f"--ids: {joints} joints need {joints} IDs, got {len(ids)}.")
+    low, high = _sides(answers)
+    if not low <= 0 <= high:
+        raise InputError(
+            f"--joint-limit: must hold 0, where a joint is straight: `zero_ticks` lies between its limits, got "
+            f"{low:g},{high:g}."
+        )
     servo = models()[answers["model"]]
     answers = {**answers, "speed-limit": _speed_limit(servo, answers)}
     _refuse_rate(servo, answers["baud-rate"])
@@ -67,6 +85,12 @@ def write(path: Path, answers: Answers) -> str:
     joint_sections = [_servo(number, servo_id, servo, answers) for number, servo_id in enumerate(ids, 1)]
     write_text(path, "\n".join([head, _limits(answers, problem), *joint_sections]))
     return f"serpenoid robot emulate --robot {shlex.quote(str(path))}"
+
+
+def _sides(answers: Answers) -> tuple[float, float]:
+    """Least and greatest angle of a joint [degrees]."""
+    limit = answers["joint-limit"]
+    return limit if isinstance(limit, tuple) else (-limit, limit)
 
 
 def _speed_limit(servo: ServoModel, answers: Answers) -> float:
@@ -112,7 +136,9 @@ def _problem(answers: Answers) -> Problem | None:
 
 def _limits(answers: Answers, problem: Problem | None) -> str:
     """Where the limits of all joints come from: whoever copies them to a robot must know that nobody measured them."""
-    said = f"# Limits: +-{answers['joint-limit']:g} degrees at {answers['speed-limit']:g} rpm, the same for every joint"
+    limit = answers["joint-limit"]
+    sides = range_words(*limit) if isinstance(limit, tuple) else f"+-{limit:g}"
+    said = f"# Limits: {sides} degrees at {answers['speed-limit']:g} rpm, the same for every joint"
     body = None if problem is None else problem.body.joint_limit_deg
     own = (
         ""
@@ -120,7 +146,8 @@ def _limits(answers: Answers, problem: Problem | None) -> str:
         else f"\n# The body in {answers['problem'].name} bends by {limit_words(body)} degrees: `play` holds that, too."
     )
     return f"""{said}, as this file was asked for or by default.
-# They are of the mechanics: try by hand where the first parts touch, and put your own numbers below.{own}
+# They are of the mechanics: try by hand where the first parts touch, and put your own numbers below. A joint that
+# bends farther to one side has `zero_ticks` nearer to one of its limits; with sign = -1 these change places.{own}
 """
 
 
@@ -156,14 +183,15 @@ action = "stop"              # or "slow", "warn"
 
 
 def _servo(number: int, servo_id: int, servo: ServoModel, answers: Answers) -> str:
-    limit, centre = answers["joint-limit"], servo.ticks_per_turn // 2
-    reach = int(radians(limit) / servo.radians_per_tick)
+    (low, high), centre = _sides(answers), servo.ticks_per_turn // 2
+    # to the nearest tick, as angles are played: a gait that ends at the limit is within it
+    down, up = (max(1, round(radians(side) / servo.radians_per_tick)) for side in (-low, high))
     return f"""[[joint]]                    # joint_{number}
 id = {servo_id}
 sign = 1
 zero_ticks = {centre}
-minimum_ticks = {centre - reach}         # -{limit:g} degrees
-maximum_ticks = {centre + reach}         # +{limit:g} degrees
+minimum_ticks = {centre - down}         # {low:+z.4g} degrees
+maximum_ticks = {centre + up}         # {high:+z.4g} degrees
 speed_limit_rpm = {answers["speed-limit"]:g}
 """
 
