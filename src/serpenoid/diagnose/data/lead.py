@@ -10,6 +10,7 @@ import numpy as np
 
 from serpenoid.body import Body, Floats
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.measure.remark import Remark
 from serpenoid.model import Model
 from serpenoid.simulation.path import PathSensitivities, path_sensitivities
 
@@ -42,7 +43,7 @@ class Recorded(Protocol):
         """Seconds that there are to be used."""
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def remarks(self) -> tuple[Remark, ...]:
         """What was noticed as it was read."""
 
 

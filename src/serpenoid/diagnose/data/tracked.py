@@ -26,6 +26,7 @@ from serpenoid.measure.cells import clock
 from serpenoid.measure.chain import UNCERTAIN
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.load import Campaign
+from serpenoid.measure.remark import Remark
 from serpenoid.measure.trial import SHORTEST_RUN, Motion, Trial
 from serpenoid.measure.trial_files import of_every_trial
 from serpenoid.model import Model
@@ -58,7 +59,7 @@ class TrackedRecording:
     body: Body
     smoothed: Smoothed
     promised_s: float
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = ()
     shortened: str = ""
     length_unit: str = "m"
 
@@ -107,11 +108,11 @@ def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
     promised = [spans[i] for i in long]
     promised[0] += float(trial.motion.time_s[-1] - trial.motion.time_s[0]) - sum(promised)
     cut = _shortened(trial, sum(spans[i] for i in long)) if share < 1 else ""
-    notes = (*trial.notes, cut) if cut else trial.notes
+    remarks = (*trial.remarks, Remark(cut)) if cut else trial.remarks
     names = [trial.name if len(long) == 1 else f"{trial.name}, from {clock(times[i][0])} s" for i in long]
     return [
         TrackedRecording(
-            name, trial.gait, body, smoothed[i], seconds, notes if i == long[0] else (), cut * (i == long[0]), unit
+            name, trial.gait, body, smoothed[i], seconds, remarks if i == long[0] else (), cut * (i == long[0]), unit
         )
         for name, i, seconds in zip(names, long, promised, strict=True)
     ]
