@@ -105,7 +105,7 @@ def test_a_joint_that_bends_farther_to_one_side_is_asked_for_with_both_ends(
     found = load(new("problem", tmp_path / "mine.toml", *SIX[:-1], "0,60"))
     assert found.joint_limit_deg == (0.0, 60.0)
     assert main(["new", "problem", str(tmp_path / "other.toml"), "--yes", *SIX[:-1], "60,0"]) == 2
-    assert "joint-limit: needs two numbers from -180 to 180, the lower one first" in capsys.readouterr().err
+    assert "joint-limit: needs -180 <= lower < upper <= 180" in capsys.readouterr().err
     path = new("robot", tmp_path / "servos.toml", "--problem", str(tmp_path / "mine.toml"))
     assert "# The body in mine.toml bends by 0 to 60 degrees" in path.read_text(encoding="utf-8")
 

@@ -49,11 +49,16 @@ def _plain(value: Any) -> Any:
 def _pair(value: Any) -> float | tuple[float, float]:
     if not isinstance(value, list | tuple) or len(value) != 2 or not all(map(_number, value)):
         raise ValueError(f"needs [lower, upper]; {EXAMPLE}")
-    lower, upper = float(value[0]), float(value[1])
+    lower, upper = as_range(float(value[0]), float(value[1]))
+    return upper if lower == -upper else (lower, upper)
+
+
+def as_range(lower: float, upper: float) -> tuple[float, float]:
+    """Both angles [degrees]; raises ValueError with rule and remedy where they are no range."""
     if not -LARGEST <= lower < upper <= LARGEST:
         remedy = "a vertex that does not bend is left out of `joints`"
-        raise ValueError(f"needs [lower, upper] with -{LARGEST:g} <= lower < upper <= {LARGEST:g}; {remedy}")
-    return upper if lower == -upper else (lower, upper)
+        raise ValueError(f"needs -{LARGEST:g} <= lower < upper <= {LARGEST:g}; {remedy}")
+    return lower, upper
 
 
 def _as_pair(limit: float | tuple[float, float]) -> tuple[float, float]:

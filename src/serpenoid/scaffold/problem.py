@@ -16,7 +16,7 @@ from typing import get_args
 from serpenoid.body import ANIMALS, Body, Kind
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
-from serpenoid.joint_range import LARGEST
+from serpenoid.joint_range import LARGEST, as_range
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, number, numbers, one_of, or_empty, whole
 
@@ -33,12 +33,10 @@ def joint_limit(text: str) -> float | tuple[float, float]:
     if "," not in text:
         return number(0, LARGEST)(text)
     try:
-        low, high = map(float, text.split(","))
+        lower, upper = map(float, text.split(","))
     except ValueError:
         raise ValueError("needs a number, or two with a comma between") from None
-    if not -LARGEST <= low < high <= LARGEST:
-        raise ValueError(f"needs two numbers from -{LARGEST:g} to {LARGEST:g}, the lower one first")
-    return low, high
+    return as_range(lower, upper)
 
 
 QUESTIONS = (
