@@ -195,7 +195,7 @@ def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track
         draws.append([_missed(model, t) - b for t, b in zip(again, base, strict=True)])
     finer = _cut(recording, states, _run(states, first, step, count, FINER), pieces, FINER)
     tracks = [replace(t, offset=e) for t, e in zip(tracks, _mesh_error(model, tracks, finer), strict=True)]
-    least = LEAST_NOISE * np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
+    least = LEAST_NOISE * model.body.pose_units
     squares = _filled([_variance([d[i] for d in draws], model.body.total_length_m) for i in range(pieces)])
     return [
         _along_curve(model, replace(t, noise=np.maximum(np.sqrt(q), least)))
@@ -242,7 +242,7 @@ def _along_curve(model: Model, track: Track) -> Track:
     """
     if not model.body.is_animal:
         return track
-    scale = np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
+    scale = model.body.pose_units
     plain, chains = Model(model.body, model.medium), track.vertices / model.body.total_length_m
     curve, other = (simulate_curve(plain, chains, degree=degree).poses for degree in (SMOOTH, PLAIN))
     paths = [poses[track.boundaries] * scale for poses in (simulate_vertices(plain, chains).poses, curve, other)]
