@@ -115,7 +115,7 @@ def test_a_joint_that_bends_farther_to_one_side_is_asked_for_with_both_ends(
         main(["new", "problem", str(tmp_path / "other.toml"), "--yes", "--joint-limit", "-20,60"])
     assert "a value that begins with `-` is given as --joint-limit=VALUE" in capsys.readouterr().err
     assert main(["new", "problem", str(tmp_path / "other.toml"), "--yes", *SIX[:-1], "60,0"]) == 2
-    assert "joint-limit: needs two numbers from -180 to 180, the lower one first" in capsys.readouterr().err
+    assert "joint-limit: needs -180 <= lower < upper <= 180" in capsys.readouterr().err
     path = new("robot", tmp_path / "servos.toml", "--problem", str(tmp_path / "mine.toml"))
     assert "# The body in mine.toml bends by 0 to 60 degrees" in path.read_text(encoding="utf-8")
     robot = load_file(Robot, new("robot", tmp_path / "one-sided.toml", "--joint-limit=-20,60"))

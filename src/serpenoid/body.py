@@ -117,6 +117,11 @@ class Body(Record):
         return float(self.edges_m.sum())
 
     @property
+    def pose_units(self) -> Floats:
+        """What a pose in body lengths and radians is multiplied by for metres and radians, shape (3,) [m, m, 1]."""
+        return np.array([self.total_length_m, self.total_length_m, 1.0])
+
+    @property
     def told_length_m(self) -> float | None:
         """Body length [m], None where nobody said it."""
         return self.total_length_m if self.length_m or self.edge_lengths else None

@@ -49,10 +49,14 @@ def _plain(value: Any) -> Any:
 def _pair(value: Any) -> float | tuple[float, float]:
     if not isinstance(value, list | tuple) or len(value) != 2 or not all(map(_number, value)):
         raise ValueError(f"needs [lower, upper]; {EXAMPLE}")
-    lower, upper = float(value[0]), float(value[1])
-    if not -LARGEST <= lower < upper <= LARGEST:
+    return as_range(float(value[0]), float(value[1]))
+
+
+def as_range(lower: float, upper: float, most: float = LARGEST) -> float | tuple[float, float]:
+    """The range from angle to angle [degrees]; raises ValueError with rule and remedy where they are none."""
+    if not -most <= lower < upper <= most:
         remedy = "a vertex that does not bend is left out of `joints`"
-        raise ValueError(f"needs [lower, upper] with -{LARGEST:g} <= lower < upper <= {LARGEST:g}; {remedy}")
+        raise ValueError(f"needs -{most:g} <= lower < upper <= {most:g}; {remedy}")
     return upper if lower == -upper else (lower, upper)
 
 

@@ -79,7 +79,7 @@ def _said(folder: Path) -> Said:
     if all(r.by_servos for r in carrying):
         observation, _ = choose_observation(carrying, Observation.neutral(carrying[0].body))
     every = (*actuation.named, *observation.named)
-    remarks = dict.fromkeys(w for r in carrying for w in r.remarks)
+    remarks = dict.fromkeys(remark.words for r in carrying for remark in r.remarks)
     return Said(
         tuple(_name(n) for n in every),
         tuple(_name(n) for n in every if n.stand_in),

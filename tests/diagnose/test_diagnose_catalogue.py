@@ -26,7 +26,8 @@ from serpenoid.diagnose.inference.jumps import find_jumps
 from serpenoid.diagnose.inference.medium import fit_eps
 from serpenoid.diagnose.inference.ranking import score
 from serpenoid.diagnose.inference.select import Fit, calibrated
-from serpenoid.diagnose.stages.actuation import attempts, plays
+from serpenoid.diagnose.stages.actuation_by_joint import attempts
+from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.marker_evidence import evidence, sample

@@ -22,7 +22,7 @@ from serpenoid.diagnose.data.played import _words, by_their_commands
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.data.told import Distances, told_by_commands
-from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.expected import carried, expected
 from serpenoid.diagnose.stages.set_points import ways
@@ -264,7 +264,7 @@ def filmed(trial: Recording, log_rate: float, sd: float, lag: float = 0.05) -> R
 def test_cycles_are_as_long_on_a_wrong_film_as_the_log_has_them_and_no_servo_is_late_for_it(trial: Recording) -> None:
     trials = by_their_commands([filmed(trial, FILM, 1e-5)])
     assert trials[0].schedule.cycle_duration_s == pytest.approx(CYCLE_S / (1 + FILM), rel=1e-9)
-    assert "so the film's is wrong" in trials[0].remarks[-1]
+    assert "so the film's is wrong" in trials[0].remarks[-1].words
     assert trials[0].setting == (trial.gait, CYCLE_S)  # the same setting as on a film that is right
     (named,) = choose_actuation(plays(trials)).named
     assert named.effect.key == ("servo_lag", None)
@@ -306,7 +306,7 @@ def test_a_rate_that_a_displaced_marker_may_make_is_no_wrong_film(trial: Recordi
     (found,) = by_their_commands([replace(film, clock=replace(film.clock, apart=(FILM, 0.5 * abs(FILM))))])
     assert found.remarks == trial.remarks
     (found,) = by_their_commands([replace(film, clock=replace(film.clock, apart=(FILM, 0.1 * abs(FILM))))])
-    assert "so the film's is wrong" in found.remarks[-1]
+    assert "so the film's is wrong" in found.remarks[-1].words
 
 
 def test_where_commands_of_one_trial_follow_the_film_alone_nothing_is_moved(trial: Recording) -> None:
@@ -330,6 +330,6 @@ def test_a_log_that_repeats_its_commands_says_nothing_of_servos_and_a_note_says_
         log.write_text("\n".join(",".join(row) for row in (header, *copied)) + "\n")
     recordings = read_recordings(tmp_path)[1]
     assert not any(r.by_servos for r in recordings)
-    assert all(any("positions are its commands" in said for said in r.remarks) for r in recordings)
+    assert all(any("positions are its commands" in remark.words for remark in r.remarks) for r in recordings)
     (named,) = choose_actuation(plays(recordings)).named  # the lag that markers show
     assert named.effect.name == "servo_lag"

@@ -72,7 +72,7 @@ def test_cycles_that_were_not_played_are_no_fault_of_the_servos(campaign: Path) 
     promised(campaign, 4)
     found = diagnosed(campaign)
     assert found.verdict == "nothing"
-    remarks = [r for t in found.motion.selection.motion.tracks for r in t.recording.remarks]
+    remarks = [r.words for t in found.motion.selection.motion.tracks for r in t.recording.remarks]
     assert remarks == 2 * SETTINGS * ["2 of 4 promised cycles were played, say the log's labels"]
 
 

@@ -39,8 +39,8 @@ def test_a_schedule_is_as_long_as_the_film_shows_it(rate: float, hertz: float) -
         assert r.schedule.pause_s == pytest.approx(1.0 * (1 + rate), rel=1e-3)
         assert not r.start_said
         assert np.abs(lateness(r)).max() < 0.01  # t0 is where it is read
-        assert "on the film's clock" in r.remarks[-1]
-        assert ("more seconds" if rate < 0 else "fewer seconds") in r.remarks[-1]
+        assert "on the film's clock" in r.remarks[-1].words
+        assert ("more seconds" if rate < 0 else "fewer seconds") in r.remarks[-1].words
 
 
 def test_what_is_late_alike_in_every_cycle_is_no_rate() -> None:
@@ -63,11 +63,11 @@ def test_one_cycle_tells_no_rate_and_labels_tell_when_rows_were_due() -> None:
 def test_a_log_that_agrees_with_the_table_says_that_the_film_is_wrong() -> None:
     film = replace(played(-0.01, 0), by_servos=True, clock=Clock(0.0, 0.0101, 1e-3, 1e-5))
     (found,) = at_played_rate([replace(film, log_time=film.time * 1.0101)])
-    assert "so the film's is wrong" in found.remarks[-1]
+    assert "so the film's is wrong" in found.remarks[-1].words
 
 
 def test_one_clock_is_told_once_whatever_cycles_last() -> None:
     recordings = [replace(played(0.02, n, cycle_s=duration), name=str(n)) for n, duration in enumerate((3.0, 4.0, 5.0))]
     found = at_played_rate(recordings)
-    assert len({r.remarks[-1] for r in found}) == 1
-    assert "3.06, 4.08, 5.1 s on the film's clock" in found[0].remarks[-1]
+    assert len({r.remarks[-1].words for r in found}) == 1
+    assert "3.06, 4.08, 5.1 s on the film's clock" in found[0].remarks[-1].words

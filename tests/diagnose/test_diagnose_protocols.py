@@ -22,13 +22,14 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.shape_in_time import Source, fitted, worth
 from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
 from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
 from serpenoid.measure.logs import TICK
+from serpenoid.measure.remark import Remark
 
 SEED = 21
 
@@ -168,7 +169,7 @@ def test_without_labels_a_joint_that_lags_does_not_make_trials_begin_late(tmp_pa
 def test_without_a_log_joints_that_no_frame_shows_are_named_as_assumed(tmp_path: Path) -> None:
     recordings = recorded(make(SEED, 0, protocol=protocol(log_hertz=0.0, unseen=(5,))), tmp_path)
     for r in recordings:
-        assert any("no frame shows joints 4, 5, 6" in text and "assumed" in text for text in r.remarks)
+        assert any("no frame shows joints 4, 5, 6" in one.words and "assumed" in one.words for one in r.remarks)
 
 
 @pytest.mark.parametrize(
@@ -219,10 +220,10 @@ def test_cycles_that_are_not_in_the_recording_are_said_and_cost_nothing(tmp_path
     file = tmp_path / "campaign.toml"
     file.write_text(re.sub("^cycles = .*", "cycles = 100000", file.read_text(), flags=re.MULTILINE))
     said = read_recordings(tmp_path)[1][0].remarks
-    assert said == ("2 of 100000 promised cycles were played, say the log's labels",)
+    assert said == (Remark("2 of 100000 promised cycles were played, say the log's labels"),)
     for log in tmp_path.glob("*/servo.csv"):  # a log that does not say it
         log.write_text(log.read_text().replace(",phase,", ",said,", 1))
-    said = ("2 of 100000 promised cycles were played, say the film and what servos read",)
+    said = (Remark("2 of 100000 promised cycles were played, say the film and what servos read"),)
     assert read_recordings(tmp_path)[1][0].remarks[-1:] == said  # unless they end amid motion
     ends = f"to_s = {1.5 * whole.schedule.period_s - whole.time[0]}\nmotion ="
     file.write_text(re.sub("^motion =", ends, file.read_text(), flags=re.MULTILINE))
@@ -231,7 +232,8 @@ def test_cycles_that_are_not_in_the_recording_are_said_and_cost_nothing(tmp_path
     assert r.promised_s == 100_000 * r.schedule.period_s
     assert r.schedule.cycles <= 1 + np.ceil(max(r.time[-1], r.log_time[-1]) / r.schedule.period_s)
     missing = 100_000 - r.schedule.cycles
-    assert f"of 100000 promised cycles, {missing} would begin after the recording: left out" in r.remarks
+    said = f"of 100000 promised cycles, {missing} would begin after the recording: left out"
+    assert Remark(said) in r.remarks
     assert sum(len(mesh) for mesh in plays(recordings).meshes) < 10**6  # of 10**8
 
 
@@ -302,4 +304,4 @@ def test_a_cycle_that_the_recording_does_not_show_is_said(tmp_path: Path) -> Non
     for log in tmp_path.glob("*/servo.csv"):  # nothing labels cycles
         log.write_text(log.read_text().replace(",phase,", ",said,", 1))
     for r in read_recordings(tmp_path)[1]:
-        assert "2 of 3 promised cycles were played, say the film and what servos read" in r.remarks
+        assert Remark("2 of 3 promised cycles were played, say the film and what servos read") in r.remarks

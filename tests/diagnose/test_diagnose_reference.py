@@ -30,7 +30,7 @@ from serpenoid.diagnose.inference.medium import linearised
 from serpenoid.diagnose.inference.select import Selection
 from serpenoid.diagnose.reference import Reference, about, as_taken, in_other_cycles, reference_of
 from serpenoid.diagnose.stages import choose_motion
-from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.choose_motion import GUESS

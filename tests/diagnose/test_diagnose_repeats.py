@@ -24,7 +24,7 @@ from serpenoid.diagnose.data.used import CHANCE, about_cameras, remarks
 from serpenoid.diagnose.diagnose import diagnose
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline
-from serpenoid.measure.consistency.films import SHOW
+from serpenoid.measure.remark import Remark
 
 PHASES, NOISE, SHARED = 8, 1e-3, 4e-3
 
@@ -35,7 +35,7 @@ def track(gait: str, cycles: int, noise: object = None) -> Any:
     phase = np.tile([*(np.arange(PHASES) + 0.5) / PHASES, 1.0, 1.0], cycles)
     count = len(phase)
     body = SimpleNamespace(total_length_m=0.5)
-    recording = SimpleNamespace(name=gait, setting=(gait, 3.0), remarks=("seen",), body=body)
+    recording = SimpleNamespace(name=gait, setting=(gait, 3.0), remarks=(Remark("seen"),), body=body)
     return SimpleNamespace(
         recording=recording, noise=noise, cycle=cycle, phase=phase, playing=phase < 1, least=np.zeros((count, 3)),
         marker_noise=None, doubt=0.0, displacement=np.zeros((count, 3)), duration=np.ones(count),
@@ -58,11 +58,11 @@ def test_trials_tell_chance_before_cycles_do_and_what_is_poor_is_remarked() -> N
     (found,) = repeats(again)
     assert (found.one, found.other, len(found.here), chance_from(again)) == (0, 2, 20, "trials")
     assert remarks(again) == ("a, b: seen",)
-    stretched = f"{SHOW} links longer"
+    stretched = "links are longer along one direction"
     for one in again:
-        one.recording.remarks = ("seen", stretched)
+        one.recording.remarks = (Remark("seen"), Remark(stretched, "cameras"))
     assert (remarks(again), about_cameras(again)) == (("a, b: seen",), (stretched,))
-    again[1].recording.remarks = ("seen",)
+    again[1].recording.remarks = (Remark("seen"),)
     assert (remarks(again), about_cameras(again)) == (("a, b: seen",), (f"a: {stretched}",))
     assert chance_from([track("a", 3, noise=1.0)]) == "points"  # an animal's windows bring their own
 

@@ -14,7 +14,7 @@ from diagnose.test_diagnose_servo_inertia import SEED, Play, alone, logged
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.inference.finding import Stage
-from serpenoid.diagnose.stages.actuation import plays
+from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 
 

@@ -26,7 +26,8 @@ from serpenoid.diagnose.data.shape_in_time import Source, fitted
 from serpenoid.diagnose.diagnose import verdict
 from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
-from serpenoid.diagnose.stages.actuation import fit_everywhere, plays
+from serpenoid.diagnose.stages.actuation_by_joint import fit_everywhere
+from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation, noise_at_rest, off_by_rounding
 from serpenoid.diagnose.stages.expected import carried

@@ -21,7 +21,7 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced
 from serpenoid.diagnose.stages.choose_observation import choose_observation
-from serpenoid.diagnose.stages.marker_evidence import along, by_trial, sample
+from serpenoid.diagnose.stages.marker_evidence import along, by_trial, channels_left, sample
 from serpenoid.effects.active import ActiveEffect
 
 SEED, JOINTS, JOINT, SLIP = 31, 6, 4, 0.15  # rad
@@ -109,7 +109,8 @@ def test_what_a_zero_leaves_of_what_it_does_is_as_much_as_trials_disagree(slippe
         shares.append(np.sqrt(left / done))
     assert shares[0] == pytest.approx(1.0, abs=0.1)  # off by as much as it does, one way or the other
     assert shares[1] < 0.05
-    angles, about = by_trial(sample(slipped), Observation.neutral(body), JOINT - 1)
+    data = sample(slipped)
+    angles, about = by_trial(data, channels_left(data, Observation.neutral(body)), JOINT - 1)
     np.testing.assert_allclose(angles, [0, SLIP, SLIP], atol=2e-3)  # a marker's noise, averaged
     assert about < LAW_ERROR**2
 

@@ -13,7 +13,7 @@ from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
 from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.errors import InputError
-from serpenoid.measure.consistency.films import Films, of_cameras
+from serpenoid.measure.consistency.films import Films
 from serpenoid.measure.consistency.lengths import Shown, all_longer, one_longer, wrong_edge
 from serpenoid.measure.lengths import shown_lengths, steady_lengths
 from serpenoid.measure.load import load_campaign
@@ -202,8 +202,8 @@ def films(scales: list[float], noise: float, beside: float = 0.001) -> Films:
 def test_films_of_another_scale_than_others_are_told_one_by_one(noise):
     said = films([1.0, 1.03, 1.0, 1.03], noise, beside=0.0).said
     assert list(said) == ["t1", "t3"]
-    assert all(map(of_cameras, said.values()))
-    shown = [float(re.findall(r"all links are ([0-9.]+) % longer in this film", words)[0]) for words in said.values()]
+    assert {remark.kind for remark in said.values()} == {"cameras"}
+    shown = [float(re.findall(r"all links are ([0-9.]+) % longer in this film", r.words)[0]) for r in said.values()]
     assert shown == pytest.approx([3.0, 3.0], abs=0.5)  # three standard errors of seven medians over 400 noisy frames
 
 
@@ -212,15 +212,15 @@ def test_films_of_one_scale_are_told_together_or_not_at_all(noise):
     assert films([1.0] * 4, noise).said == {}
     said = films([1.03] * 4, noise, beside=0.0).said
     assert len(said) == 4
-    assert all("in the film than `edge_lengths`" in words for words in said.values())
-    assert not any(map(of_cameras, said.values()))
+    assert all("in the film than `edge_lengths`" in remark.words for remark in said.values())
+    assert {remark.kind for remark in said.values()} == {"trial"}
 
 
 def test_scales_that_change_within_films_as_much_are_the_cameras():
     """Perspective: links look longer the farther the robot has gone."""
     made = films([1.0, 1.02, 0.98], 0.0002)
     grown = tuple(points * np.linspace(0.98, 1.02, len(points))[:, None, None] for points in made.points)
-    assert all("perspective" in words for words in replace(made, points=grown).said.values())
+    assert all("perspective" in remark.words for remark in replace(made, points=grown).said.values())
 
 
 WAYS = [(np.cos(t), np.sin(t)) for t in (0.0, 0.7, 1.5, 2.3)]
@@ -234,9 +234,9 @@ def test_films_that_differ_by_which_way_links_point_are_a_stretched_cameras(nois
     seen = tuple(points * [1.02, 1.0] for points in turned)
     said = replace(made, points=seen).said
     assert len(said) == 4
-    for words in said.values():
-        assert "another along x than along y" in words
-        assert float(re.findall(r"up to ([0-9.]+) % longer", words)[0]) == pytest.approx(2.0, abs=0.3)
+    for remark in said.values():
+        assert "another along x than along y" in remark.words
+        assert float(re.findall(r"up to ([0-9.]+) % longer", remark.words)[0]) == pytest.approx(2.0, abs=0.3)
 
 
 def stretched(share: float, noise: float, links: int, seed: int = 3) -> Films:
@@ -253,10 +253,10 @@ def test_a_stretched_camera_is_told_by_links_that_turn_within_films_which_differ
     """Before, only films that differed in scale were asked for directions."""
     said = stretched(0.022, 0.0002, links).said
     assert len(said) == 4
-    for words in said.values():
-        assert of_cameras(words)
-        assert "differ by which way" not in words
-        share = float(re.findall(r"up to ([0-9.]+) % longer along one direction", words)[0])
+    for remark in said.values():
+        assert remark.kind == "cameras"
+        assert "differ by which way" not in remark.words
+        share = float(re.findall(r"up to ([0-9.]+) % longer along one direction", remark.words)[0])
         assert share == pytest.approx(2.2, abs=0.15)  # two digits are told, and lengths are in logarithms
 
 
@@ -276,4 +276,4 @@ def test_a_marker_beside_its_place_is_no_stretched_camera():
         one[:, 3] += 0.01 * np.stack([-ahead[:, 1], ahead[:, 0]], axis=1) / np.linalg.norm(ahead, axis=1)[:, None]
     shown = (Shown.of(points, EDGES), *made.shown[1:])
     said = replace(made, points=tuple(points), shown=shown).said
-    assert not any("direction" in words for words in said.values())
+    assert not any("direction" in remark.words for remark in said.values())

@@ -89,7 +89,7 @@ def test_a_torn_film_goes_on_where_the_log_does_unless_it_is_believed(tmp_path):
     body, (whole,) = read_files(file, folder)
     part = torn(whole, 150, 20)
     ((mended,), said) = believe(file, folder, body, [part])
-    assert "0.4 s are missing" in said[whole.entry.name][0]
+    assert "0.4 s are missing" in said[whole.entry.name][0].words
     assert np.allclose(mended.tracks.time_s[160:], whole.tracks.time_s[180 : 20 + len(mended.tracks.time_s)], atol=3e-3)
     aligned, plain = align_trial(file, mended, body), align_trial(file, whole, body)
     assert aligned.servo.offset.offset_s == pytest.approx(plain.servo.offset.offset_s, abs=2e-3)
@@ -97,4 +97,4 @@ def test_a_torn_film_goes_on_where_the_log_does_unless_it_is_believed(tmp_path):
     believed = replace(part, entry=part.entry.model_copy(update={"believe": True}))
     ((same,), said) = believe(file, folder, body, [believed])
     assert same is believed
-    assert "0.4 s are missing" in said[whole.entry.name][0]
+    assert "0.4 s are missing" in said[whole.entry.name][0].words

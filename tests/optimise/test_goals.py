@@ -27,7 +27,7 @@ from serpenoid.optimise.between import Between, GapField
 from serpenoid.optimise.clearance import RESOLUTION, clearance
 from serpenoid.optimise.easier import Easier, easier
 from serpenoid.optimise.ladder import FAMILIES, Step, climb, unlike_cycles
-from serpenoid.optimise.outcomes import fine_clear_of_obstacles
+from serpenoid.optimise.outcomes import fine_clear_of_obstacles, on_meshes
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
 from serpenoid.problem import Problem, load
@@ -148,7 +148,7 @@ def test_a_box_is_kept_at_every_time_and_place(seed: int) -> None:
     assert (between(run, found) <= np.array([0.52, 0.24]) + 1e-9).all()
     fine = found.fine_clearance
     assert fine is not None
-    assert fine == fine_clear_of_obstacles(found.problem, found.table)
+    assert fine == fine_clear_of_obstacles(found.problem, found.table, on_meshes(found.problem, found.table)[-1])
     assert solution_record(found)["fine_clearance"] == {"least": fine.least, "proven": fine.proven}
     closed = np.concatenate([found.table, found.table[:1]])
     finer = np.array([np.interp(np.arange(96) / 4, np.arange(25), angles) for angles in closed.T]).T

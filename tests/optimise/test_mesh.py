@@ -10,14 +10,13 @@ import pytest
 from serpenoid.body import Floats
 from serpenoid.gaits import TableGait
 from serpenoid.mechanics.tables import joint_table
-from serpenoid.optimise.mesh import MeshStudy, study_mesh
-from serpenoid.optimise.outcomes import mesh_of
+from serpenoid.optimise.mesh import FACTORS, MeshStudy, study_mesh
+from serpenoid.optimise.outcomes import mesh_of, on_meshes
 from serpenoid.optimise.refine import refine, refine_best
 from serpenoid.optimise.solve import solve
 from serpenoid.simulation import simulate_joint_angles
 from serpenoid.simulation.problem import simulate
 from serpenoid.status import Status
-from serpenoid.trajectory import Trajectory
 from specimens import oracle_run, problem, random_table, reference
 
 ONE_JOINT = ("reference-optimum", "body.vertices=3", "body.joint_limit_deg=170", "task.bounds.a=[0.0, 12.0]")
@@ -32,17 +31,14 @@ UNEVEN = (
 def reference_study(steps: int) -> MeshStudy:
     model, gait = reference(), problem("reference").gait.parameters
 
-    def motion(factor: int) -> Trajectory:
-        return simulate_joint_angles(model, joint_table(model, gait, factor * steps))
-
-    return study_mesh(motion, steps)
+    return study_mesh([simulate_joint_angles(model, joint_table(model, gait, f * steps)) for f in FACTORS], steps)
 
 
 @pytest.mark.parametrize("steps", [3, 50])
 def test_a_gait_that_is_simulated_has_the_mesh_error_of_one_that_is_solved(steps: int) -> None:
     asked = problem("reference", f"task.steps={steps}")
     own, study = simulate(asked), reference_study(steps)
-    found = mesh_of(asked, own.table)
+    found = mesh_of(asked, own.table, on_meshes(asked, own.table))
     assert found.displacements[0] == pytest.approx(own.trajectory.displacement, abs=1e-12)
     np.testing.assert_allclose(found.displacements, study.displacements, atol=1e-12)
     assert found.converged == (steps == 50)
@@ -52,7 +48,8 @@ def test_a_table_of_other_rows_than_the_file_says_is_refined_as_it_is_played() -
     angles = random_table(reference(), np.random.default_rng(0), 7)
     path = TableGait.from_angles(angles)
     asked = problem("reference", "task.steps=50").model_copy(update={"gait": path})
-    found, (once, twice) = mesh_of(asked, angles), (played(angles, factor) for factor in (1, 2))
+    found = mesh_of(asked, angles, on_meshes(asked, angles))
+    once, twice = (played(angles, factor) for factor in (1, 2))
     assert found.steps == 7
     np.testing.assert_allclose(found.displacements[:2], [once, twice], atol=1e-12)
 

@@ -154,7 +154,7 @@ def test_waves_that_cannot_keep_to_one_side_are_refused_before_the_work() -> Non
 @pytest.mark.parametrize(
     ("limit", "said"),
     [
-        ("[60, 0]", r"joint_limit_deg: needs \[lower, upper\] with -180 <= lower < upper <= 180"),
+        ("[60, 0]", r"joint_limit_deg: needs -180 <= lower < upper <= 180"),
         ("[0, 200]", r"lower < upper <= 180"),
         ("[0, 30, 60]", r"needs \[lower, upper\], got .* Give one number, \[lower, upper\], or a list"),
         ("[[0, 60], [0, 50]]", r"`joint_limit_deg` needs 5 pairs \[lower, upper\], one per joint .* got 2"),

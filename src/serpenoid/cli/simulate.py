@@ -37,7 +37,13 @@ def run(args: argparse.Namespace) -> int:
     from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines, in_cycles, mesh_lines, speed_lines
     from serpenoid.joint_limits import limit_lines
     from serpenoid.optimise.mesh import FINER
-    from serpenoid.optimise.outcomes import clear_of_itself, clear_of_obstacles, fine_clear_of_obstacles, mesh_of
+    from serpenoid.optimise.outcomes import (
+        clear_of_itself,
+        clear_of_obstacles,
+        fine_clear_of_obstacles,
+        mesh_of,
+        on_meshes,
+    )
     from serpenoid.problem import load
     from serpenoid.results import default_folder, weight_warning, write_simulation
     from serpenoid.self_contact import crossing_warning
@@ -54,7 +60,8 @@ def run(args: argparse.Namespace) -> int:
         sign(args)
         motion = result.trajectory
         advance(1, f"{size}: with 2 and 4 times as many steps")
-        mesh = mesh_of(problem, result.table) if motion.status.ok else None
+        meshes = on_meshes(problem, result.table) if motion.status.ok else []
+        mesh = mesh_of(problem, result.table, meshes) if meshes else None
         figures = not args.no_figures and motion.status.ok
         advance(2, f"{size}: writing{' and drawing' * figures}")
         record = write_simulation(folder, result, figures, mesh)
@@ -79,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
         *_rows_lines(problem, len(result.table)),
         *clear_lines(
             clear_of_obstacles(problem, result.table, motion),
-            fine_clear_of_obstacles(problem, result.table),
+            fine_clear_of_obstacles(problem, result.table, meshes[-1]),
             clear_of_itself(problem, result.table),
             motion.steps_per_cycle,
             f"--set task.steps={FINER * motion.steps_per_cycle}",

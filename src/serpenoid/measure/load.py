@@ -19,6 +19,7 @@ from serpenoid.measure.consistency.still import nothing_moved
 from serpenoid.measure.consistency.unplayed import as_filmed, unplayed
 from serpenoid.measure.film_scale import FilmScale, film_scale
 from serpenoid.measure.link_lengths import hidden_lengths
+from serpenoid.measure.remark import Remark, remarks_of
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial import Motion, Passage, Trial, build_motion, cut_passages, log_covers, schedule_start
 from serpenoid.measure.trial_files import (
@@ -117,8 +118,8 @@ def _aligned(
         found[read[index].entry.name] = trial
     trials = of_every_trial(file.trial, lambda entry: _whole(found[entry.name]))
     hidden = hidden_lengths(body, trials) if file.lengths_given else ""
-    more = (hidden,) if hidden else ()
-    return body, tuple(replace(trial, notes=trial.notes + said.get(trial.name, ()) + more) for trial in trials)
+    more = (Remark(hidden),) if hidden else ()
+    return body, tuple(replace(trial, remarks=trial.remarks + said.get(trial.name, ()) + more) for trial in trials)
 
 
 def _kept(file: CampaignFile, files: Files, body: Body) -> Trial | InputError:
@@ -173,7 +174,7 @@ def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | Non
         notes += [still] if still else remarks(body, motion) if file.tracked_only else ()
     return Trial(
         entry.name, entry.gait or entry.name, body, metres, schedule, source, motion, servo, files.servo_log,
-        files.power_log, passages, entry.dissipation_coefficient, tuple(notes), scale_sd,
+        files.power_log, passages, entry.dissipation_coefficient, remarks_of(notes), scale_sd,
     )  # fmt: skip
 
 

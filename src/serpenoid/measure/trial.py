@@ -21,6 +21,7 @@ from serpenoid.measure.consistency.hypotheses import ROLLS
 from serpenoid.measure.logs import PowerLog, ServoLog
 from serpenoid.measure.principal_bends import smooth_curves
 from serpenoid.measure.quality import Gap, Jump, find_gaps, find_holes, find_jumps
+from serpenoid.measure.remark import Remark
 from serpenoid.measure.schedule import Schedule, start_by_log, start_by_shape
 from serpenoid.measure.servo_alignment import (
     MIN_CORRELATION,
@@ -119,8 +120,13 @@ class Trial:
     power_log: PowerLog | None
     passages: tuple[Passage, ...]
     dissipation_coefficient: float | None
-    notes: tuple[str, ...]
+    remarks: tuple[Remark, ...]
     scale_sd: float = 0.0  # standard error, as a share, of a scale that is found from the film; else 0
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The words of all remarks."""
+        return tuple(remark.words for remark in self.remarks)
 
     def displacement(self, passage: Passage) -> float:
         """Distance of the centroid over a passage [body lengths]."""

@@ -5,6 +5,7 @@ Legend: T steps, R rows, m joints, q gait parameters (n,), B gaits.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,7 +18,7 @@ from serpenoid.optimise.asked import Customise, asked
 from serpenoid.optimise.clearance import Clearance
 from serpenoid.optimise.ipopt import Point
 from serpenoid.optimise.limits import path_limits, violations
-from serpenoid.optimise.mesh import FINER, MeshStudy, study_mesh
+from serpenoid.optimise.mesh import FACTORS, FINER, MeshStudy, study_mesh
 from serpenoid.optimise.motion_law import needs_states
 from serpenoid.optimise.obstacles import Obstacles
 from serpenoid.optimise.played import Played
@@ -105,17 +106,22 @@ class GaitMotions:
         poses = point.x[: self.family.pose_size * self.steps].reshape(self.steps, -1)
         return float(np.max(np.abs(trajectory.poses[1:] - poses)))
 
-    def meshes(self, q: Floats) -> list[MeshStudy]:
-        """How the motion depends on the number of steps."""
-        return [study_mesh(lambda factor: self.simulate(q, factor), self.steps)]
+    def on_meshes(self, q: Floats) -> list[Trajectory]:
+        """The motions of gait q with FACTORS times as many steps."""
+        return [self.simulate(q, factor) for factor in FACTORS]
+
+    def mesh_studies(self, q: Floats, meshes: Sequence[Trajectory]) -> list[MeshStudy]:
+        """How the motion depends on the number of steps; meshes: `on_meshes` of q."""
+        return [study_mesh(meshes, self.steps)]
 
     def outcomes(self, q: Floats, c: float) -> tuple[CaseOutcome, ...]:
         """What gait q does in every case that it must serve; of one model: nothing more to say."""
         return ()
 
-    def fine_clearance(self, q: Floats) -> Clearance | None:
-        """How near the body comes to obstacles with FINER times as many steps; None without any, or where it fails."""
-        return self.obstacles.of_gait(self.family.refined(FINER), self.family.on_finer_rows(q, FINER))
+    def fine_clearance(self, q: Floats, finest: Trajectory) -> Clearance | None:
+        """How near the body comes to obstacles with FINER times as many steps, in the last of `on_meshes`; None without
+        any, or where that failed."""
+        return self.obstacles.of_gait(self.family.refined(FINER), self.family.on_finer_rows(q, FINER), finest)
 
     def self_clearance(self, table: Floats) -> SelfClear | None:
         """How near the body comes to itself; None where nobody asks."""

@@ -114,8 +114,9 @@ def as_solution(
     """Certify an answer and write it as a Solution."""
     check = certify(solver, answer, c, polish, gait_bounds, flag)
     outcome = answer.outcome
-    meshes = solver.meshes(answer.q)
-    mesh = next((mesh for mesh in meshes if not mesh.converged), meshes[0])
+    meshes = solver.on_meshes(answer.q)
+    studies = solver.mesh_studies(answer.q, meshes)
+    mesh = next((study for study in studies if not study.converged), studies[0])
     own, status = solver.self_clearance(check.table), check.status
     if status.ok and own is not None and own.proven < own.wanted:
         status = Status.TOUCHES_ITSELF
@@ -135,7 +136,7 @@ def as_solution(
         resimulation_error=check.resimulation_error,
         polishing_gain=check.polishing_gain,
         clearance=answer.clearance,
-        fine_clearance=None if answer.clearance is None else solver.fine_clearance(answer.q),
+        fine_clearance=None if answer.clearance is None else solver.fine_clearance(answer.q, meshes[-1]),
         mesh=mesh,
         ipopt_status=outcome.ipopt_status,
         iterations=answer.iterations,

@@ -15,9 +15,9 @@ from serpenoid.objectives.criteria import Gaps
 from serpenoid.optimise.between import Between, GapField
 from serpenoid.optimise.clearance import Clearance, clearance
 from serpenoid.optimise.watch import Watch, every_vertex, exchanged, near
-from serpenoid.simulation.gaits import simulate_gait
 from serpenoid.simulation.rollout import Batch
 from serpenoid.simulation.servos import realise_gait
+from serpenoid.trajectory import Trajectory
 
 FEASIBLE = 1e-9  # body lengths
 
@@ -66,10 +66,9 @@ class Obstacles:
             return None
         return clearance(self.path(poses[None], table[None]), self.field)
 
-    def of_gait(self, family: GaitFamily, q: Floats) -> Clearance | None:
-        """The same of a gait, simulated; None where that fails, too."""
-        motion = simulate_gait(self.model, family, q) if self.gaps else None
-        if motion is None or not motion.status.ok:
+    def of_gait(self, family: GaitFamily, q: Floats, motion: Trajectory) -> Clearance | None:
+        """The same of a gait's simulated motion; None where the simulation failed, too."""
+        if not self.gaps or not motion.status.ok:
             return None
         return self.clearance(motion.poses, family_tables(self.model, family, q[None])[0])
 

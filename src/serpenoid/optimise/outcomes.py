@@ -11,7 +11,7 @@ from serpenoid.objectives.obstacles import Obstacle
 from serpenoid.objectives.term import Demand, Goal, Played, told
 from serpenoid.optimise.apart import pairs_of
 from serpenoid.optimise.clearance import Clearance
-from serpenoid.optimise.mesh import FINER, MeshStudy, study_mesh
+from serpenoid.optimise.mesh import FACTORS, FINER, MeshStudy, study_mesh
 from serpenoid.optimise.obstacles import Obstacles
 from serpenoid.optimise.solution import SelfClear
 from serpenoid.problem import Problem
@@ -39,13 +39,14 @@ def _numbered(goal: Goal, demands: Sequence[Demand], said: str) -> str:
     return said if which is None or len(alike) == 1 or not said else f"demand {which}: {said}"
 
 
-def mesh_of(problem: Problem, table: Floats) -> MeshStudy:
-    """How the motion of the problem's gait, whose joint table is known, depends on the number of steps."""
+def on_meshes(problem: Problem, table: Floats) -> list[Trajectory]:
+    """The motions of the problem's gait, whose joint table is known, with FACTORS times as many steps."""
+    return [simulate_gait(problem.model, *_finer(problem, table, factor)) for factor in FACTORS]
 
-    def motion(factor: int) -> Trajectory:
-        return simulate_gait(problem.model, *_finer(problem, table, factor))
 
-    return study_mesh(motion, len(table) - problem.task.transient)
+def mesh_of(problem: Problem, table: Floats, meshes: Sequence[Trajectory]) -> MeshStudy:
+    """How the motion depends on the number of steps; meshes: see `on_meshes`."""
+    return study_mesh(meshes, len(table) - problem.task.transient)
 
 
 def _finer(problem: Problem, table: Floats, factor: int) -> tuple[GaitFamily, Floats]:
@@ -62,10 +63,10 @@ def clear_of_obstacles(problem: Problem, table: Floats, motion: Trajectory) -> C
     return _obstacles(problem, steps).clearance(motion.poses[: steps + 1], table)
 
 
-def fine_clear_of_obstacles(problem: Problem, table: Floats) -> Clearance | None:
-    """The same of a cycle with FINER times as many steps; None where it fails, too."""
+def fine_clear_of_obstacles(problem: Problem, table: Floats, finest: Trajectory) -> Clearance | None:
+    """The same of a cycle with FINER times as many steps, the last of `on_meshes`; None where that failed, too."""
     steps = FINER * (len(table) - problem.task.transient)
-    return _obstacles(problem, steps).of_gait(*_finer(problem, table, FINER))
+    return _obstacles(problem, steps).of_gait(*_finer(problem, table, FINER), finest)
 
 
 def _obstacles(problem: Problem, steps: int) -> Obstacles:

@@ -17,7 +17,7 @@ from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.optimise.certify import POSE_TOLERANCE
 from serpenoid.optimise.limits import path_limits, violations
-from serpenoid.optimise.mesh import MeshStudy, study_mesh
+from serpenoid.optimise.mesh import FACTORS, MeshStudy, study_mesh
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
 from serpenoid.simulation import simulate_joint_angles
@@ -55,7 +55,8 @@ def certify_table(problem: Problem | str | Path, table: Floats, poses: Floats | 
     trajectory = simulate_joint_angles(problem.model, table)
     error = None if poses is None else _apart(trajectory.poses, finite("poses", shaped("poses", poses, (-1, 3))))
     excess = float(violations(table, path_limits(problem)).max())
-    mesh = study_mesh(lambda factor: simulate_joint_angles(problem.model, finer(table, factor)), len(table))
+    meshes = [simulate_joint_angles(problem.model, finer(table, factor)) for factor in FACTORS]
+    mesh = study_mesh(meshes, len(table))
     return OwnCertificate(_status(trajectory, error, excess, mesh), trajectory, error, excess, mesh)
 
 

@@ -7,7 +7,7 @@ case, and the next NLP starts from there, until none is.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -187,9 +187,10 @@ class RobustSolver(GaitSolver):
         """Over all cases."""
         return float(self.costs(table[None], q[None], c).value[0])
 
-    def meshes(self, q: Floats) -> list[MeshStudy]:
+    def mesh_studies(self, q: Floats, meshes: Sequence[Trajectory]) -> list[MeshStudy]:
         """In the problem's own medium, then of every case."""
-        return [*super().meshes(q), *(mesh for solver in self.each for mesh in solver.meshes(q))]
+        own = (study for solver in self.each for study in solver.mesh_studies(q, solver.on_meshes(q)))
+        return [*super().mesh_studies(q, meshes), *own]
 
     def outcomes(self, q: Floats, c: float) -> tuple[CaseOutcome, ...]:
         """What gait q does in every case, re-simulated."""

@@ -93,25 +93,17 @@ class GaitSolver(PreparedNLPs):
         """
         if isinstance(start, Point):
             return self._search(start, c, gait_bounds, carried, flag, watch)
+
+        def found_from(q: Floats) -> Answer:
+            return self._search(self.start(q), c, gait_bounds, carried or self.about(q), flag, watch)
+
         begin, before = self._approached(start, c, gait_bounds, flag)
-        answer = self._from(begin, c, gait_bounds, carried, flag, watch)
+        answer = found_from(begin)
         answer = answer if before is None else answer.after(before)
         if answer.outcome.status is not Status.INFEASIBLE or begin is start or flag:
             return answer
-        again = self._from(start, c, gait_bounds, carried, flag, watch).after(answer)
+        again = found_from(start).after(answer)
         return answer if again.outcome.status is Status.INFEASIBLE else again
-
-    def _from(
-        self,
-        start: Floats,
-        c: float,
-        gait_bounds: GaitBounds | None,
-        carried: Carried | None,
-        flag: StopFlag | None,
-        watch: Callable[[float], None] | None,
-    ) -> Answer:
-        """Search from gait parameters (n,)."""
-        return self._search(self.start(start), c, gait_bounds, carried or self.about(start), flag, watch)
 
     def _search(
         self,

@@ -9,6 +9,7 @@ from typing import Any
 
 from serpenoid.body import ANIMALS
 from serpenoid.errors import InputError
+from serpenoid.joint_range import as_range
 
 Answers = Mapping[str, Any]
 ONE_SIDED = "to one side farther: lower,upper, as --joint-limit=-20,60"
@@ -86,9 +87,7 @@ def joint_limit(most: float) -> Callable[[str], float | tuple[float, float]]:
             low, high = map(float, text.split(","))
         except ValueError:
             raise ValueError("needs a number, or two with a comma between") from None
-        if not -most <= low < high <= most:
-            raise ValueError(f"needs two numbers from -{most:g} to {most:g}, the lower one first")
-        return high if low == -high else (low, high)
+        return as_range(low, high, most)
 
     return read
 

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Protocol
 
-import numpy as np
-
 from serpenoid.body import Body, Floats
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.measure.remark import Remark
 from serpenoid.model import Model
 from serpenoid.simulation.path import PathSensitivities, path_sensitivities
 
@@ -42,7 +41,7 @@ class Recorded(Protocol):
         """Seconds that there are to be used."""
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def remarks(self) -> tuple[Remark, ...]:
         """What was noticed as it was read."""
 
 
@@ -76,8 +75,5 @@ def led(lead: Lead | None, time: Floats, vertices: Floats, poses: Floats) -> tup
 @lru_cache(maxsize=2)
 def free_run(model: Model, run: Run, candidates: tuple[ActiveEffect, ...]) -> PathSensitivities:
     """The whole recording by a model [body lengths, rad]; all parts of it ask for the same one."""
-    length = model.body.total_length_m
-    scale = np.array([length, length, 1.0])
-    return path_sensitivities(
-        model, run.vertices / length, run.time, run.poses[: run.given + 1] / scale, list(candidates)
-    )
+    chains, starts = run.vertices / model.body.total_length_m, run.poses[: run.given + 1] / model.body.pose_units
+    return path_sensitivities(model, chains, run.time, starts, list(candidates))

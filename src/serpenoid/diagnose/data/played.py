@@ -23,6 +23,7 @@ from serpenoid.diagnose.data.clocks import Clock, pooled
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.data.smooth import scatter
+from serpenoid.measure.remark import Remark
 
 ROUNDS = 4  # each is as much nearer as a cycle's end is off by its rate
 
@@ -42,7 +43,7 @@ def at_played_rate(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
         return tuple(recordings)
     lasting = sorted({r.schedule.cycle_duration_s for r, now in zip(recordings, found, strict=True) if now is not r})
     return tuple(
-        now if now is r else replace(now, remarks=(*r.remarks, _words(r, told, lasting)))
+        now if now is r else replace(now, remarks=(*r.remarks, Remark(_words(r, told, lasting))))
         for r, now in zip(recordings, found, strict=True)
     )
 
@@ -60,7 +61,7 @@ def by_their_commands(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     seen = seen and any(_seen(r, rate) for r in told)
 
     def on_film(r: Recording) -> Recording:
-        words = (_words(r, rate, lasting),) if seen else ()
+        words = (Remark(_words(r, rate, lasting)),) if seen else ()
         return replace(_at_rate(r, rate), remarks=(*r.remarks, *words))
 
     follow = [r.clock.rate_sd > 0 and (r.told is not None or (seen and r.commands is not None)) for r in recordings]

@@ -24,6 +24,7 @@ from serpenoid.measure.consistency.claims import Reader, read_believed
 from serpenoid.measure.consistency.unplayed import as_filmed
 from serpenoid.measure.film_scale import film_scale
 from serpenoid.measure.links import marker_angles
+from serpenoid.measure.remark import Remark, remarks_of
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.servo_alignment import MIN_CORRELATION, assumed, seen_corners, start_by_corners
 from serpenoid.measure.trial_files import Files, Progress, kept_of_files, of_every_trial
@@ -50,7 +51,7 @@ def read_recordings(
 
 
 def _aligned(
-    file: CampaignFile, read: Sequence[Files], said: Mapping[str, tuple[str, ...]], progress: Progress | None
+    file: CampaignFile, read: Sequence[Files], said: Mapping[str, tuple[Remark, ...]], progress: Progress | None
 ) -> tuple[Recording, ...]:
     """Every trial's clocks aligned; each is kept as soon as it is done. said: remarks by the trial's name."""
     files = {one.entry.name: one for one in read}
@@ -59,9 +60,8 @@ def _aligned(
         own = files[entry.name]
         found = remember(lambda: read_recording(file, own), "recording", file, own)
         _refuse_short(found)
-        return replace(
-            found, remarks=(*said.get(entry.name, ()), *_missing(found, own), *_assumed(found), *_unread(own))
-        )
+        own_words = [*_missing(found, own), *_assumed(found), *_unread(own)]
+        return replace(found, remarks=(*said.get(entry.name, ()), *remarks_of(own_words)))
 
     return at_played_rate(by_their_commands(with_one_rate(of_every_trial(file.trial, kept, progress))))
 

@@ -52,5 +52,5 @@ def by_bends(r: Recording, model: Model, times: Floats) -> Floats:
     seen = register(bent, before)[0]
     drag = Model(r.body, model.medium.model_copy(update={"law": VISCOUS.name}))
     rows = [elements_of_vertices(drag, chain / length) for chain in (before, bent)]
-    pushed = solve_steps(drag, *rows).relative * np.array([length, length, 1.0])
+    pushed = solve_steps(drag, *rows).relative * r.body.pose_units
     return np.asarray((seen - pushed).reshape(len(times), joints, 3) / BENT)

@@ -22,6 +22,7 @@ from serpenoid.diagnose.data.told import Told
 from serpenoid.errors import InputError
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.logs import TICK
+from serpenoid.measure.remark import Remark
 from serpenoid.measure.schedule import Schedule
 
 READING_SD = TICK / 2  # rad
@@ -62,7 +63,7 @@ class Recording:
     clock: Clock
     t0_spread: float
     by_servos: bool = True
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = ()
     carrier: Course | None = None
     commands: Floats | None = None
     missing_cycles: int = 0

@@ -26,6 +26,7 @@ from serpenoid.measure.cells import clock
 from serpenoid.measure.chain import UNCERTAIN
 from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.load import Campaign
+from serpenoid.measure.remark import Remark
 from serpenoid.measure.trial import SHORTEST_RUN, Motion, Trial
 from serpenoid.measure.trial_files import of_every_trial
 from serpenoid.model import Model
@@ -58,7 +59,7 @@ class TrackedRecording:
     body: Body
     smoothed: Smoothed
     promised_s: float
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = ()
     shortened: str = ""
     length_unit: str = "m"
 
@@ -107,11 +108,11 @@ def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
     promised = [spans[i] for i in long]
     promised[0] += float(trial.motion.time_s[-1] - trial.motion.time_s[0]) - sum(promised)
     cut = _shortened(trial, sum(spans[i] for i in long)) if share < 1 else ""
-    notes = (*trial.notes, cut) if cut else trial.notes
+    remarks = (*trial.remarks, Remark(cut)) if cut else trial.remarks
     names = [trial.name if len(long) == 1 else f"{trial.name}, from {clock(times[i][0])} s" for i in long]
     return [
         TrackedRecording(
-            name, trial.gait, body, smoothed[i], seconds, notes if i == long[0] else (), cut * (i == long[0]), unit
+            name, trial.gait, body, smoothed[i], seconds, remarks if i == long[0] else (), cut * (i == long[0]), unit
         )
         for name, i, seconds in zip(names, long, promised, strict=True)
     ]
@@ -194,7 +195,7 @@ def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track
         draws.append([_missed(model, t) - b for t, b in zip(again, base, strict=True)])
     finer = _cut(recording, states, _run(states, first, step, count, FINER), pieces, FINER)
     tracks = [replace(t, offset=e) for t, e in zip(tracks, _mesh_error(model, tracks, finer), strict=True)]
-    least = LEAST_NOISE * np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
+    least = LEAST_NOISE * model.body.pose_units
     squares = _filled([_variance([d[i] for d in draws], model.body.total_length_m) for i in range(pieces)])
     return [
         _along_curve(model, replace(t, noise=np.maximum(np.sqrt(q), least)))
@@ -241,7 +242,7 @@ def _along_curve(model: Model, track: Track) -> Track:
     """
     if not model.body.is_animal:
         return track
-    scale = np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
+    scale = model.body.pose_units
     plain, chains = Model(model.body, model.medium), track.vertices / model.body.total_length_m
     curve, other = (simulate_curve(plain, chains, degree=degree).poses for degree in (SMOOTH, PLAIN))
     paths = [poses[track.boundaries] * scale for poses in (simulate_vertices(plain, chains).poses, curve, other)]

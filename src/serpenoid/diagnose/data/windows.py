@@ -63,10 +63,9 @@ class Track:
     def steps(self) -> MeasuredSteps:
         """With those of the lead before them; the same in every evaluation."""
         model = Model(self.recording.body, Medium(anisotropy_ratio=1.0))
-        length = model.body.total_length_m
         time, vertices, poses, before = led(self.lead, self.time, self.vertices, self.poses)
         poses = np.concatenate([poses[:before], self.on_floor])
-        return MeasuredSteps.of(model, vertices / length, time, poses / np.array([length, length, 1.0]))
+        return MeasuredSteps.of(model, vertices / model.body.total_length_m, time, poses / model.body.pose_units)
 
     @property
     def on_floor(self) -> Floats:
@@ -97,7 +96,7 @@ class Track:
 
 def predicted_path(model: Model, vertices: Floats, time: Floats, start: Floats) -> Floats:
     """Poses [m, rad] of a model, free running from a pose (3,), or from the last of its first poses (K + 1, 3)."""
-    scale = np.array([model.body.total_length_m, model.body.total_length_m, 1.0])
+    scale = model.body.pose_units
     chains = body_frame(model, vertices / model.body.total_length_m)
     steps = solve_extended(model, elements_of_vertices(model, chains), time, start / scale)
     known = np.atleast_2d(start)
@@ -106,9 +105,8 @@ def predicted_path(model: Model, vertices: Floats, time: Floats, start: Floats) 
 
 def begun_anew(model: Model, vertices: Floats, time: Floats, poses: Floats, boundaries: np.ndarray) -> Floats:
     """Displacements (B - 1, 3) of windows by a model whose steps begin at poses (R, 3) [m, rad], each at its own."""
-    length = model.body.total_length_m
-    scale = np.array([length, length, 1.0])
-    found = sensitivities_of(model, MeasuredSteps.of(model, vertices / length, time, poses / scale))
+    scale = model.body.pose_units
+    found = sensitivities_of(model, MeasuredSteps.of(model, vertices / model.body.total_length_m, time, poses / scale))
     path = accumulate(found.relative * scale)
     return relative(path[boundaries[:-1]], path[boundaries[1:]])
 
@@ -168,8 +166,7 @@ def balanced(
     near: Sequence[Prediction] | None = None,
 ) -> list[Prediction]:
     """The same with every step begun at its measured pose: all steps of all trials at once."""
-    length = model.body.total_length_m
-    scale = np.array([length, length, 1.0])
+    scale = model.body.pose_units
     result = []
     for track, own, steps in by_track(model, tracks, candidates, near):
         p = windowed(track, own.relative * scale, own.jacobian * scale[:, None], own.columns)
@@ -207,8 +204,7 @@ def coasting(
     near: Sequence[Prediction] | None = None,
 ) -> list[Prediction]:
     """The same for a model whose earlier steps matter: whole trials, free running."""
-    length = model.body.total_length_m
-    scale = np.array([length, length, 1.0])
+    scale = model.body.pose_units
     if any(t.lead for t in tracks):  # parts of one recording ask for the same run
         runs = [free_run(model, t.lead.run, tuple(candidates)) for t in tracks if t.lead]
     else:

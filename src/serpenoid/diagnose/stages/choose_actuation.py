@@ -14,16 +14,10 @@ from serpenoid.diagnose.data.clocks import pooled
 from serpenoid.diagnose.inference.finding import VISIBLE, Divided, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained
-from serpenoid.diagnose.stages.actuation import (
-    Attempt,
-    attempts,
-    followed,
-    needed,
-    refined,
-    shown,
-    slopes_of,
-    with_laws,
-)
+from serpenoid.diagnose.stages.actuation_by_joint import Attempt, attempts
+from serpenoid.diagnose.stages.actuation_candidates import shown
+from serpenoid.diagnose.stages.actuation_evidence import needed, slopes_of
+from serpenoid.diagnose.stages.actuation_refit import refined, with_laws
 from serpenoid.diagnose.stages.displaced_markers import displaced_marker
 from serpenoid.diagnose.stages.law_by_trial import ByTrial, law_by_trial
 from serpenoid.diagnose.stages.plays import Plays
@@ -61,6 +55,11 @@ class Played:
         """See `Explanation`."""
         return len(self.effects)
 
+    @property
+    def followed(self) -> bool:
+        """Whether what is left of no joint's readings is visible beside their noise."""
+        return bool(self.data.missed(self.angles).max() < VISIBLE**2)
+
 
 @remembered
 def choose_actuation(data: Plays) -> Stage:
@@ -68,7 +67,7 @@ def choose_actuation(data: Plays) -> Stage:
     bare = best = Played(data)
     singles: list[Attempt] = []
     for _ in range(max(AT_MOST, data.readings.shape[1] + 2)):
-        if followed(data, best.angles):
+        if best.followed:
             break
         tries = attempts(data, best.effects)
         singles = singles or tries
@@ -80,7 +79,7 @@ def choose_actuation(data: Plays) -> Stage:
         new, best = _one_more(best, [t.effect for t in tries], [p.chi2 for p in one_more], found)
         if _strength(data, new) < VISIBLE:
             break
-        if new.place is None and not followed(data, best.angles):  # before what it leaves looks like faults of joints
+        if new.place is None and not best.followed:  # before what it leaves looks like faults of joints
             best = _of_all_anew(best)
     best = _of_all_anew(Played(data, refined(data, best.effects)))
     best = earned(best, bare, _each_without, lambda found: needed(data, found.effects))

@@ -24,7 +24,6 @@ from serpenoid.diagnose.stages.marker_evidence import (
     by_trial,
     misfit_beside,
     sample,
-    structure,
     structure_by_trial,
 )
 from serpenoid.diagnose.stages.told_lengths import instead_of_effects
@@ -91,8 +90,8 @@ def _another(bare: Looked, best: Looked) -> bool:
     more of what lasts from frame to frame. Readings that are rounded leave much that does not."""
     if not outweighed(bare.priced, best.priced):
         return False
-    lasts = structure(best.data, best.now).sum()
-    done = sum(float((best.signature(k)[:-1] ** 2).sum()) for k in best.keys)  # as `structure`, paths apart
+    lasts = best.structure.sum()
+    done = sum(float((best.signature(k)[:-1] ** 2).sum()) for k in best.keys)  # as of `structure`, paths apart
     return any(place is not None for _, place in best.keys) or bool(lasts >= done)
 
 
@@ -155,7 +154,7 @@ def _left_over(
     """Of the worst channel, its noise included, what is more than chance makes; that in words, where visible beside
     what was left before; mean squares of all channels and of all together; `Stage.news`; and trials in which the
     channel is another."""
-    squares, all_squares = structure(best.data, best.now), best.priced.spread**2
+    squares, all_squares = best.structure, best.priced.spread**2
     known = np.array(before) if len(before) == len(squares) + 1 else np.zeros(len(squares) + 1)
     known = np.maximum(known, 1.0)  # the noise itself, which a little of structure is in
     news = squares / known[:-1]
@@ -181,7 +180,7 @@ def _left_over(
 def _from_trial_to_trial(best: Looked, channel: int) -> Divided | None:
     """Where a joint is bent by one angle in some trials and by another in others, or an edge is so long: when it
     changed most. Trials before and since are two sides if, on each, values are about one."""
-    values, about = by_trial(best.data, best.now, channel)
+    values, about = by_trial(best.data, best.channels_left, channel)
     known = np.flatnonzero(np.isfinite(values))
     if len(known) < 2:
         return None
@@ -216,7 +215,7 @@ def _from_trial_to_trial(best: Looked, channel: int) -> Divided | None:
 def _in_some_trials(best: Looked, channel: int) -> Divided | None:
     """Where a joint is bent, or an edge as long, as it should be in some trials, and in others not: those leave far
     more, as in `trials_astray`. It may be the gaits that differ, so it is `perhaps`."""
-    squares = structure_by_trial(best.data, best.now, channel)
+    squares = structure_by_trial(best.data, best.channels_left, channel)
     astray, calm = squares > 1 + VISIBLE**2, squares <= 1 + VISIBLE**2  # neither: of what a trial does not show
     if not calm.any() or not astray.any() or not far_less(squares[calm], squares[astray]):
         return None

@@ -18,7 +18,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.stages.actuation import fit_everywhere
+from serpenoid.diagnose.stages.actuation_by_joint import fit_everywhere
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes

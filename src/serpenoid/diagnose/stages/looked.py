@@ -10,12 +10,13 @@ from functools import cached_property
 import numpy as np
 
 from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data import chance
 from serpenoid.diagnose.data.columns import all_keys, columns_of
 from serpenoid.diagnose.data.observation import Observation, values_of
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
 from serpenoid.diagnose.inference.prices import Priced
-from serpenoid.diagnose.stages.marker_evidence import Sample, evidence, misfit, signature
+from serpenoid.diagnose.stages.marker_evidence import Sample, channels_left, evidence, misfit, signature
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
 
@@ -59,6 +60,16 @@ class Looked:
         if numbers not in known:
             known[numbers] = evidence(self.data, self.now)
         return known[numbers]
+
+    @cached_property
+    def channels_left(self) -> Floats:
+        """What this model leaves of all channels (F, 2 m + 1), over the noise level."""
+        return channels_left(self.data, self.now)
+
+    @cached_property
+    def structure(self) -> Floats:
+        """Its mean square (2 m + 1,), in units of noise; 0 where chance alone makes as much."""
+        return chance.structure(self.channels_left, self.data.following)
 
     @cached_property
     def priced(self) -> Priced:

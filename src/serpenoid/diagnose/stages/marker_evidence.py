@@ -192,40 +192,35 @@ def evidence(data: Sample, now: Observation, columns: Sequence[int] | None = Non
     return Evidence(np.stack(matrices), np.stack(vectors), np.array(constants), data.counts)
 
 
-def structure(data: Sample, now: Observation) -> Floats:
-    """Mean square (2 m + 1,) of what an observation model leaves of marker angles and link lengths, in units of noise;
-    0 where chance alone makes as much."""
-    return chance.structure(_channels(data, now), data.following)
+def channels_left(data: Sample, now: Observation) -> Floats:
+    """What an observation model leaves of the channels, marker angles and link lengths (F, 2 m + 1), over the noise
+    level; NaN where markers do not show it."""
+    return shown_otherwise(data.body, data.markers, data.angles(now), now) / data.levels
 
 
-def by_trial(data: Sample, now: Observation, channel: int) -> tuple[Floats, float]:
+def by_trial(data: Sample, left: Floats, channel: int) -> tuple[Floats, float]:
     """What a joint is bent [rad], or an edge longer [m], than an observation model says, on average in each trial (T,),
-    and what is left about these averages: its mean square without white noise, as a share. channel: of `structure`."""
-    left = _channels(data, now)[:, channel]
-    trial, seen = _trial_of(data), np.isfinite(left)
-    means = np.array([np.median(left[seen & (trial == t)]) if (seen & (trial == t)).any() else np.nan
+    and what is left about these averages: its mean square without white noise, as a share. left: `channels_left`."""
+    own = left[:, channel]
+    trial, seen = _trial_of(data), np.isfinite(own)
+    means = np.array([np.median(own[seen & (trial == t)]) if (seen & (trial == t)).any() else np.nan
                       for t in range(len(data.trials))])  # fmt: skip
-    whole, about = (np.nanmean((x[1:] * x[:-1])[data.following]) for x in (left, left - means[trial]))
+    whole, about = (np.nanmean((x[1:] * x[:-1])[data.following]) for x in (own, own - means[trial]))
     return means * data.levels[channel], float(max(about, 0.0) / whole)
 
 
-def structure_by_trial(data: Sample, now: Observation, channel: int) -> Floats:
-    """The same as `structure` of one channel in each trial alone (T,); NaN where a trial shows nothing of it."""
-    left, trial = _channels(data, now)[:, [channel]], _trial_of(data)
+def structure_by_trial(data: Sample, left: Floats, channel: int) -> Floats:
+    """`chance.structure` of one channel in each trial alone (T,); NaN where a trial shows nothing of it."""
+    own, trial = left[:, [channel]], _trial_of(data)
     inside = [np.flatnonzero(trial == t) for t in range(len(data.trials))]
-    found = np.concatenate([chance.structure(left[rows], data.following[rows[:-1]]) for rows in inside])
-    shown = [bool(np.isfinite(left[rows]).any()) for rows in inside]
+    found = np.concatenate([chance.structure(own[rows], data.following[rows[:-1]]) for rows in inside])
+    shown = [bool(np.isfinite(own[rows]).any()) for rows in inside]
     return np.where(shown, found, np.nan)
 
 
 def _trial_of(data: Sample) -> np.ndarray:
     """Number (F,) of each frame's trial."""
     return np.repeat(np.arange(len(data.trials)), [len(taken) for *_, taken in data.trials])
-
-
-def _channels(data: Sample, now: Observation) -> Floats:
-    """What an observation model leaves of marker angles and link lengths (F, 2 m + 1), over the noise level."""
-    return shown_otherwise(data.body, data.markers, data.angles(now), now) / data.levels
 
 
 def shown_otherwise(body: Body, markers: Floats, angles: Floats, now: Observation) -> Floats:
@@ -241,7 +236,7 @@ def along(data: Sample, now: Observation, columns: Sequence[int], amounts: Float
     """Mean squares of what an observation model leaves in the direction in which these amounts of its columns move the
     markers of each frame, beyond noise and as much again, and of how far they move them; in units of marker noise.
 
-    As of `structure`, white noise is not in it, nor what chance alone makes of it.
+    As of `chance.structure`, white noise is not in it, nor what chance alone makes of it.
     """
     angles = data.angles(now)
     base, rows, headings = _left_by(data, now, angles)

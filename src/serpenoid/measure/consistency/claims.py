@@ -35,6 +35,7 @@ from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.links import marker_angles
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.readers import up_axis
+from serpenoid.measure.remark import Remark, remarks_of
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial_files import (
     Files,
@@ -47,7 +48,7 @@ from serpenoid.measure.trial_files import (
 from serpenoid.parallel import in_processes
 from serpenoid.table_file import read_table as read_joint_table
 
-Believed = tuple[Body, tuple[Files, ...], dict[str, tuple[str, ...]]]
+Believed = tuple[Body, tuple[Files, ...], dict[str, tuple[Remark, ...]]]
 Reader = Callable[[CampaignFile, Path], Believed]
 MOST_TABLES = 100  # that a campaign is compared with
 PLAYED = {"play", "pause"}  # phases of a servo log in which the table is followed
@@ -55,7 +56,7 @@ PLAYED = {"play", "pause"}  # phases of a servo log in which the table is follow
 
 def believe(
     file: CampaignFile, folder: Path, body: Body, read: Sequence[Files]
-) -> tuple[tuple[Files, ...], dict[str, tuple[str, ...]]]:
+) -> tuple[tuple[Files, ...], dict[str, tuple[Remark, ...]]]:
     """All files, films' clocks set on where frames are missing, and remarks on every trial by name. Raises InputError
     with every contradiction and its likely cure.
 
@@ -73,35 +74,40 @@ def believe(
             "`believe = true` in a trial to go on regardless."
         )
     hang = {one.trial for one in verdict.contradictions if one.kind == "hanging"}
-    remarks: dict[str, list[str]] = defaultdict(list)
-    for trial, remark in verdict.remarks:
-        remarks[trial].append(remark)
+    remarks: dict[str, list[Remark]] = defaultdict(list)
+    for trial, words in verdict.remarks:
+        remarks[trial].append(Remark(words))
     for files in read:
-        if files.exchanged_back:
-            remarks[files.entry.name].append(f"names put back as in most of the recording: {files.exchanged_back}")
-        if files.zeros:
-            remarks[files.entry.name].append(files.zeros)
-        if files.servo_log is not None and (count := files.servo_log.repeated):
-            words = f"{count} rows of the servo log are the row before them to the last character: each is read once"
-            remarks[files.entry.name].append(words)
-        if files.servo_log is not None and (absent := files.servo_log.absent):
-            words = f"the servo log has no column {', '.join(absent)}, which [servo_log] names: is it misspelt?"
-            remarks[files.entry.name].append(words)
-        if files.labelled is not None and (still := frozen_said(frozen(files.labelled.vertices), files.names(body))):
-            remarks[files.entry.name].append(still)
-        if files.labelled is not None and files.tracks is not None:
-            stops = hung_said(hung(files.labelled.vertices), files.tracks.time_s)
-            remarks[files.entry.name] += [stops] if stops else []
-            stands = hanging_unmoved(files.labelled.vertices, files.tracks.time_s)
-            remarks[files.entry.name] += [stands.said] if stands and files.entry.name not in hang else []
+        remarks[files.entry.name] += remarks_of(_noticed(files, body, files.entry.name in hang))
     if films is not None and not any(one.kind == "length" for one in verdict.contradictions):
-        for trial, words in films.said.items():
-            remarks[trial].append(words)
+        for trial, remark in films.said.items():
+            remarks[trial].append(remark)
     for one in verdict.contradictions:
-        remarks[one.trial].append(f"believed against its data: {one.words} ({one.cure})")
+        remarks[one.trial].append(Remark(f"believed against its data: {one.words} ({one.cure})"))
     torn = {trial: places for trial, places in verdict.torn.items() if trial not in believed}
     mended = tuple(_set_on(files, torn.get(files.entry.name, ())) for files in read)
     return mended, {trial: tuple(said) for trial, said in remarks.items()}
+
+
+def _noticed(files: Files, body: Body, hangs: bool) -> list[str]:
+    """What one trial's own files show; hangs: whether it is a contradiction already that its film stands still."""
+    said = []
+    if files.exchanged_back:
+        said.append(f"names put back as in most of the recording: {files.exchanged_back}")
+    if files.zeros:
+        said.append(files.zeros)
+    if files.servo_log is not None and (count := files.servo_log.repeated):
+        said.append(f"{count} rows of the servo log are the row before them to the last character: each is read once")
+    if files.servo_log is not None and (absent := files.servo_log.absent):
+        said.append(f"the servo log has no column {', '.join(absent)}, which [servo_log] names: is it misspelt?")
+    if files.labelled is not None and (still := frozen_said(frozen(files.labelled.vertices), files.names(body))):
+        said.append(still)
+    if files.labelled is not None and files.tracks is not None:
+        stops = hung_said(hung(files.labelled.vertices), files.tracks.time_s)
+        said += [stops] if stops else []
+        stands = hanging_unmoved(files.labelled.vertices, files.tracks.time_s)
+        said += [stands.said] if stands and not hangs else []
+    return said
 
 
 def _set_on(files: Files, torn: Sequence[Lost]) -> Files:

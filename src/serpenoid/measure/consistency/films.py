@@ -29,11 +29,11 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.blame import Contradiction
 from serpenoid.measure.consistency.lengths import PARTS, Shown, beside_film, wrong_edge
 from serpenoid.measure.consistency.rivals import CERTAIN
+from serpenoid.measure.remark import Remark
 from serpenoid.measure.trial_files import Files, ever_seen, stated_between
 
 APART = 0.005  # of a length: a lens and where on its floor a body is make less of a whole film
 TINY = np.finfo(float).tiny
-SHOW, DIFFER = "films show", "films of this campaign differ by"
 BY_IT = ", and differ by which way links point in them"
 WITHIN = 0.25  # of how much films differ: what differs as much within them is no camera that was moved, nor is less
 
@@ -48,14 +48,14 @@ class Films:
     points: tuple[Floats, ...]
 
     @property
-    def said(self) -> dict[str, str]:
+    def said(self) -> dict[str, Remark]:
         """What is said of every trial by name: the same of all, or of each whose film has another scale."""
         longer, directed = self._longer(self.points), self._by_direction()
         if not _differ(longer):
             if directed.certain and directed.share > max(APART, self.shown[0].noise.max() / 2):
                 return dict.fromkeys(self.trials, _stretched(directed.share))
             words = beside_film(*self.shown)
-            return dict.fromkeys(self.trials, words) if words else {}
+            return dict.fromkeys(self.trials, Remark(words)) if words else {}
         if not _differ(longer - directed.along):
             return dict.fromkeys(self.trials, _stretched(directed.share, BY_IT))
         scales = longer.mean(axis=1)
@@ -125,34 +125,37 @@ def _differ(longer: Floats) -> bool:
     return bool(chance < 1 - CERTAIN and np.ptp(scale) > APART)
 
 
-def _another(scale: float, scales: Floats) -> str:
+def _another(scale: float, scales: Floats) -> Remark:
     """Of a film whose log scale is another than that of others."""
     own, apart = 100 * abs(np.expm1(scale)), 100 * np.expm1(np.ptp(scales))
-    return (
+    words = (
         f"all links are {own:.2g} % {'longer' if scale > 0 else 'shorter'} in this film than `edge_lengths`, and "
-        f"{DIFFER} {apart:.2g} %: was a camera moved, or calibrated anew? Left so it counts "
+        f"films of this campaign differ by {apart:.2g} %: was a camera moved, or calibrated anew? Left so it counts "
         "as chance of repeats, and hides what is smaller. Give the positions of this film times "
         f"{np.exp(-scale):.4g} (of pixels: so many times its `metres_per_pixel`)"
     )
+    return Remark(words, "cameras")
 
 
-def _stretched(share: float, differ: str = "") -> str:
+def _stretched(share: float, differ: str = "") -> Remark:
     """Of films in which links are longer along one direction; differ: what is said if films differ by that."""
-    return (
-        f"{SHOW} links up to {100 * share:.2g} % longer along one direction on the floor than across{differ}: is "
+    words = (
+        f"films show links up to {100 * share:.2g} % longer along one direction on the floor than across{differ}: is "
         "the camera's scale another along x than along y, or are its axes not square? Left so it counts as marker "
         "noise and moves what is fitted. Calibrate the camera"
     )
+    return Remark(words, "cameras")
 
 
-def _by_place(scales: Floats) -> str:
+def _by_place(scales: Floats) -> Remark:
     """Of films within which it changes as much."""
     least, most = 100 * np.expm1(scales.min()), 100 * np.expm1(scales.max())
-    return (
-        f"{SHOW} all links {least:+.2g} to {most:+.2g} % longer than `edge_lengths`, and as different within a "
+    words = (
+        f"films show all links {least:+.2g} to {most:+.2g} % longer than `edge_lengths`, and as different within a "
         "film: perspective, or a lens that distorts? Left so it counts as marker noise and moves what is fitted. "
         "Calibrate the camera over the whole floor"
     )
+    return Remark(words, "cameras")
 
 
 def films_of(file: CampaignFile, body: Body, read: Sequence[Files]) -> Films | None:
@@ -171,11 +174,6 @@ def films_of(file: CampaignFile, body: Body, read: Sequence[Files]) -> Films | N
     labels = [names[k] for k in shown]
     together = (Shown.of(seen, stated), stated, labels, len(shown) == body.vertices)
     return Films(tuple(marked), together, tuple(seen))
-
-
-def of_cameras(remark: str) -> bool:
-    """Whether a remark is of `Films.said` and about cameras, which the lengths that are stated do not mend."""
-    return remark.startswith(SHOW) or DIFFER in remark
 
 
 def wrong_edges(films: Films | None) -> list[Contradiction]:
