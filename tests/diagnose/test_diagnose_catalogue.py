@@ -27,9 +27,9 @@ from serpenoid.diagnose.inference.medium import fit_eps
 from serpenoid.diagnose.inference.ranking import score
 from serpenoid.diagnose.inference.select import Fit, calibrated
 from serpenoid.diagnose.stages.actuation_by_joint import attempts
-from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.diagnose.stages.choose_observation import choose_observation
+from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.diagnose.stages.marker_evidence import evidence, sample
 from serpenoid.effects import catalogue
 from serpenoid.effects.catalogue import of_laws

@@ -22,8 +22,8 @@ from serpenoid.diagnose.data.played import _words, by_their_commands
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.data.told import Distances, told_by_commands
-from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.diagnose.stages.expected import carried, expected
 from serpenoid.diagnose.stages.set_points import ways
 from serpenoid.effects.active import ActiveEffect

@@ -24,11 +24,11 @@ from serpenoid.diagnose.inference.finding import Stage, excludable
 from serpenoid.diagnose.inference.groups import band
 from serpenoid.diagnose.inference.medium import fit
 from serpenoid.diagnose.inference.names import kept, trace, visible
-from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_motion
 from serpenoid.diagnose.stages.choose_observation import choose_observation
+from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.diagnose.stages.values_of_motion import named_of
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect

@@ -21,9 +21,9 @@ from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import _at_frames, make_tracks
 from serpenoid.diagnose.data.windows import predicted_path, predictions
-from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.actuation_together import fit_together
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.stages.whole import from_command
 from serpenoid.effects.active import ActiveEffect

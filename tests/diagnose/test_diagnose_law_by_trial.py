@@ -14,8 +14,8 @@ from blind.schedule import lagged
 from serpenoid.diagnose.data.course import Course
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.diagnose.stages.law_by_trial import law_by_trial, of_trial
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect

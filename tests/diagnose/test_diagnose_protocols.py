@@ -22,8 +22,8 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.shape_in_time import Source, fitted, worth
 from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
 from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect

@@ -30,10 +30,10 @@ from serpenoid.diagnose.inference.medium import linearised
 from serpenoid.diagnose.inference.select import Selection
 from serpenoid.diagnose.reference import Reference, about, as_taken, in_other_cycles, reference_of
 from serpenoid.diagnose.stages import choose_motion
-from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.choose_motion import GUESS
+from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.values_of_motion import beside_known
 from serpenoid.diagnose.start import baseline

@@ -14,8 +14,8 @@ from diagnose.test_diagnose_servo_inertia import SEED, Play, alone, logged
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.inference.finding import Stage
-from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.choose_set_points import plays
 
 
 @pytest.fixture(scope="module")

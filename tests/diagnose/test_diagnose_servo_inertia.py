@@ -19,8 +19,8 @@ from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.stages.actuation_by_joint import attempts, fit_everywhere
-from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.choose_actuation import Played, _one_more, choose_actuation
+from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.effects import ActiveEffect, find
 from serpenoid.measure.logs import TICK
 

@@ -27,9 +27,9 @@ from serpenoid.diagnose.diagnose import verdict
 from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
 from serpenoid.diagnose.stages.actuation_by_joint import fit_everywhere
-from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation, noise_at_rest, off_by_rounding
+from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.witness import WrongLog, _said, of_servos, unlike_told

@@ -18,8 +18,8 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.inference.finding import Named
 from serpenoid.diagnose.stages import choose_motion
-from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.effects.active import ActiveEffect
 
 SEED = 166611063688274

@@ -33,8 +33,8 @@ from serpenoid.diagnose.inference.explanations import laws
 from serpenoid.diagnose.inference.finding import Named
 from serpenoid.diagnose.inference.medium import linearised
 from serpenoid.diagnose.inference.select import retracked
-from serpenoid.diagnose.stages.actuation_set_points import plays
 from serpenoid.diagnose.stages.baseline import Baseline, read_by_servos
+from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.diagnose.stages.set_points import by_table
 from serpenoid.diagnose.stages.values_of_motion import ratio_interval

@@ -12,7 +12,7 @@ from serpenoid.diagnose.data.motion import Motion, Repeated
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.windows import Track
-from serpenoid.diagnose.stages.actuation_set_points import plays
+from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect
