@@ -113,6 +113,10 @@ def test_an_effect_too_weak_to_name_is_told_of_with_its_strength(diagnosed: tupl
     assert any(text.startswith("Below detection: friction_patch (1.4 times the noise)") for text in told)
     kept = record | {"below_detection": [trace | {"in_extended_model": True}]}
     assert undetected(kept) == ["friction_patch (1.4 times the noise, in the extended model)"]
+    lag = {"value": 0.038, "interval": [-0.0324, 0.1084], "unit": "s"}
+    strong = record | {"below_detection": [trace | {"name": "servo_lag", "parameters": {"lag": lag}}]}
+    said = "servo_lag (1.4 times the noise, lag 0.038 s (95 %: -0.0324 s .. 0.108 s))"
+    assert undetected(strong) == [said]
 
 
 def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_model_is_right() -> None:

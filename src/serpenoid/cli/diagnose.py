@@ -15,7 +15,8 @@ verdict           nothing left      something left
 
 The answer: verdict; causes with strength, value, interval and what to do; how well held-out gaits are predicted; what
 is left; the next experiment; then details. Of long lists the first are printed, diagnosis.json has all.
-An effect's strength is its trace over the noise level. Where noise makes as much, it is below detection: not named.
+An effect's strength is its trace over the noise level. Where noise makes as much, or the value's
+interval holds what changes nothing, it is below detection: not named.
 `or instead` are effects that the data cannot tell from the one above; `next-experiment.csv` is the gait that would.
 The extended model holds what is named. If anything is named on any stage, it also holds unnamed effects (below
 detection, or the first one refused) where gaits that were not fitted are predicted better with them.

@@ -17,7 +17,7 @@ TERMS = {
     "anisotropy ratio": "friction along the body over friction across it (eps): 0 is a perfect wheel, 1 a disc",
     "path RMS": "root mean square distance between the predicted and the measured path of the centroid",
     "chi squared": "squared errors in units of their standard deviations, summed",
-    "below detection": "its trace is no larger than what noise makes, so it is listed and not named",
+    "below detection": "its trace is as small as noise makes, or its value may be one that changes nothing: not named",
     "stage": "a comparison between command and motion: actuation, observation or motion",
     "residual": "measured minus predicted",
     "log-likelihood": "how probable the recording is under the model: more is better",

@@ -138,7 +138,7 @@ def rival_law(record: Record) -> list[str]:
 
 
 def undetected(record: Record) -> list[str]:
-    """Effects below detection: they improve the prediction, but noise makes traces as large."""
+    """Effects below detection: they improve the prediction, but noise makes traces as large, or they may be none."""
     kept = {True: ", in the extended model", False: ""}
     return [
         f"{title(e)} ({times(e['strength_over_noise'])}{_roughly(e)}{kept[e['in_extended_model']]})"
@@ -148,8 +148,12 @@ def undetected(record: Record) -> list[str]:
 
 
 def _roughly(effect: Record) -> str:
-    """Values of what is too weak to have intervals."""
-    return "".join(f", {name} {shown(p['value'], p['unit'])}" for name, p in effect.get("parameters", {}).items())
+    """Values of what has no name, with their intervals unless it is too weak to have any."""
+    said = {
+        name: parameter(p) if "interval" in p else shown(p["value"], p["unit"])
+        for name, p in effect.get("parameters", {}).items()
+    }
+    return "".join(f", {name} {value}" for name, value in said.items())
 
 
 def instead(effect: Record, record: Record) -> list[str]:
