@@ -335,6 +335,7 @@ SPLINE = "[gait]\nfamily = 'spline'\npoints = 5\nangles = [[0], [0], [0, 0], [0]
             r"needs `cycle_duration_s` in \[task\]",
         ),
         (BODY + MEDIUM + "[gait]\nsigma = 1.5\n", r"sigma: .*less than or equal to 1, got 1\.5"),
+        (BODY + MEDIUM + "[task]\ncycle_duration_s = 1e-300\n", r"cycle_duration_s: .*equal to 0\.000001, got 1e-300"),
         (BODY + MEDIUM + "[gait]\nampl = 1.5\n", r"ampl: unknown key"),
         (BODY + MEDIUM + "[gait]\nfamily = 'spiral'\n", r"^\S*: \[gait\] family: must be one of .*'spiral'\.$"),
         (BODY + MEDIUM + "[[task.objectives]]\nweight = 1.0\n", r"\[\[task\.objectives\]\] 1 kind: is required"),

@@ -108,7 +108,9 @@ class Task(Record):
     steps: int = Field(default=50, ge=3, le=100_000, description="T: steps per cycle, rows of the joint table")
     transient: bool = Field(default=False, description="not closed: T + 1 rows played once, from shape to shape")
     cycles: int = Field(default=1, ge=1, le=100_000, description="cycles to simulate and draw")
-    cycle_duration_s: Annotated[float, Field(gt=0)] | None = Field(default=None, description="seconds per cycle")
+    cycle_duration_s: Annotated[float, Field(ge=1e-6, le=1e6)] | None = Field(
+        default=None, description="seconds per cycle"
+    )
     objectives: tuple[AnyTerm, ...] = Field(default=(Displacement(),), description="terms; default: displacement")
     demands: tuple[AnyDemand, ...] = Field(default=(), description="requirements beside limits")
     c: float = Field(
