@@ -43,7 +43,7 @@ def _plain(value: Any) -> Any:
     if all(map(_number, value)):
         return _pair(value)
     pairs = [_pair(entry) for entry in value]
-    return pairs[0] if all(pair == pairs[0] for pair in pairs) else tuple(map(_as_pair, pairs))
+    return pairs[0] if all(pair == pairs[0] for pair in pairs) else tuple(map(as_pair, pairs))
 
 
 def _pair(value: Any) -> float | tuple[float, float]:
@@ -60,7 +60,8 @@ def as_range(lower: float, upper: float, most: float = LARGEST) -> float | tuple
     return upper if lower == -upper else (lower, upper)
 
 
-def _as_pair(limit: float | tuple[float, float]) -> tuple[float, float]:
+def as_pair(limit: float | tuple[float, float]) -> tuple[float, float]:
+    """Lower and upper angle [degrees] of a limit that is the same for all joints."""
     return limit if isinstance(limit, tuple) else (-limit, limit)
 
 

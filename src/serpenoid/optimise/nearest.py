@@ -86,8 +86,8 @@ def softened(customise: Customise | None) -> Customise:
 def _of(solver: GaitSolver, failed: Solution, q: np.ndarray) -> Solution:
     """The failed solution with another gait and its motion."""
     table = solver.table(q)
-    motion, c = solver.simulate(q), solver.problem.task.c
-    mesh, *_ = solver.mesh_studies(q, solver.on_meshes(q))
+    meshes, c = solver.on_meshes(q), solver.problem.task.c
+    (motion, *_), (mesh, *_) = meshes, solver.mesh_studies(q, meshes)
     return replace(
         failed, gait=solver.family.gait(q), q=q, table=table, trajectory=motion, mesh=mesh,
         cost=solver.value(q, table, motion, c), missed=missed(solver, q, c),

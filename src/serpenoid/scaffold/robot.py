@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
-from serpenoid.joint_range import limit_words, range_words
+from serpenoid.joint_range import as_pair, limit_words, range_words
 from serpenoid.robot.models import DEFAULT, ServoModel, models
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import (
@@ -72,7 +72,7 @@ def write(path: Path, answers: Answers) -> str:
     ids = answers["ids"] or tuple(range(1, joints + 1))
     if len(ids) != joints:
         raise InputError(f"--ids: {joints} joints need {joints} IDs, got {len(ids)}.")
-    low, high = _sides(answers)
+    low, high = as_pair(answers["joint-limit"])
     if not low <= 0 <= high:
         raise InputError(
             f"--joint-limit: must hold 0, where a joint is straight: `zero_ticks` lies between its limits, got "
@@ -85,12 +85,6 @@ def write(path: Path, answers: Answers) -> str:
     joint_sections = [_servo(number, servo_id, servo, answers) for number, servo_id in enumerate(ids, 1)]
     write_text(path, "\n".join([head, _limits(answers, problem), *joint_sections]))
     return f"serpenoid robot emulate --robot {shlex.quote(str(path))}"
-
-
-def _sides(answers: Answers) -> tuple[float, float]:
-    """Least and greatest angle of a joint [degrees]."""
-    limit = answers["joint-limit"]
-    return limit if isinstance(limit, tuple) else (-limit, limit)
 
 
 def _speed_limit(servo: ServoModel, answers: Answers) -> float:
@@ -183,7 +177,7 @@ action = "stop"              # or "slow", "warn"
 
 
 def _servo(number: int, servo_id: int, servo: ServoModel, answers: Answers) -> str:
-    (low, high), centre = _sides(answers), servo.ticks_per_turn // 2
+    (low, high), centre = as_pair(answers["joint-limit"]), servo.ticks_per_turn // 2
     # to the nearest tick, as angles are played: a gait that ends at the limit is within it
     down, up = (max(1, round(radians(side) / servo.radians_per_tick)) for side in (-low, high))
     return f"""[[joint]]                    # joint_{number}
