@@ -97,6 +97,12 @@ def test_where_the_machine_has_no_compiler_that_of_a_package_serves(
     with caplog.at_level(logging.WARNING):
         assert compiled([function])[0] is function
     assert "pip install ziglang" in caplog.text
+    compilation._note_once.cache_clear()
+    caplog.clear()
+    with caplog.at_level(logging.WARNING):
+        assert compilation.loaded("play", "", str) is None
+        assert compilation.loaded("roots", "", str) is None
+    assert caplog.text.count("pip install ziglang") == 1  # what a diagnosis asks for first
     monkeypatch.setattr(compilation.importlib.util, "find_spec", lambda name: name == "ziglang")
     assert find_compiler()[:4] == (sys.executable, "-m", "ziglang", "cc")
 

@@ -53,6 +53,7 @@ def loaded(name: str, source: str, load: Callable[[str], T], flags: Sequence[str
     """What `load` makes of the library of a C source, compiled once per source, compiler, flags; None: no library."""
     compiler = find_compiler()
     if not compiler:
+        _note_once()
         return None
     try:
         library = _library(name, source, [*compiler, *FLAGS, *flags])
