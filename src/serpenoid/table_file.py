@@ -53,9 +53,11 @@ def read_any_table(path: str | Path, joint_count: int | None = None) -> tuple[Fl
         )
     in_space = head[0] == "joint_1_yaw"
     m = len(head) if in_space else m
-    if head != header(m, in_space):
-        names = ",".join(header(min(m, 3))) + (",..." if m > 3 else "")
-        raise InputError(f"{path}: the header must be {names} with {counted(m, 'joint')}, got {','.join(head)[:60]!r}.")
+    wanted = header(m, in_space)
+    if head != wanted:
+        names = ",".join(wanted[:3]) + (",..." if len(wanted) > 3 else "")
+        joints = counted(m // 2 if in_space else m, "joint")
+        raise InputError(f"{path}: the header must be {names} with {joints}, got {','.join(head)[:60]!r}.")
     if len(lines) < 4:
         raise InputError(f"{path}: a gait needs at least 3 rows, got {len(lines) - 1}.")
     return np.array([_numbers(path, line, row, head) for line, row in lines[1:]]), in_space

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from emulated import ROBOT_FILE, gait, robot, serpenoid, write_gait
 
+from serpenoid.errors import InputError
 from serpenoid.robot import ros
 from serpenoid.robot.table import read_table, write_table
 from serpenoid.robot.ticks import to_ticks
@@ -48,6 +49,10 @@ def test_a_gait_in_space_is_exported_as_csv_alone(tmp_path):
     assert (again.columns[0], again.columns[-1], again.joints) == ("joint_1_yaw", "joint_5_pitch", 5)
     done = serpenoid(*words, "ros2", "--cycle-duration", 5)
     assert (done.returncode, "`serpenoid export RESULTS --format csv` without" in done.stderr) == (2, True)
+    bad = tmp_path / "bad.csv"
+    bad.write_text("joint_1_yaw,joint_1_pitch,joint_2_yaw,joint_2_pitch\n")
+    with pytest.raises(InputError, match="must be joint_1_yaw,joint_2_yaw,joint_1_pitch,... with 2 joints, got"):
+        read_table(bad, any_table=True)
     (tmp_path / "solution.json").write_text('{"body": {"joint_limit_deg": 0.5}}')
     done = serpenoid(*words, "csv", "--force")
     assert (done.returncode, "_yaw, step" in done.stderr or "_pitch, step" in done.stderr) == (1, True)
