@@ -102,3 +102,14 @@ def test_a_beat_whose_noise_is_most_of_every_joint_angle_is_counted_by_bends_of_
     assert (np.diff(angles, n=2, axis=0) ** 2).mean() / 6 > 0.8 * angles.var(axis=0).mean()
     assert trial.motion.beat.period_s == pytest.approx(2.0, rel=0.02)
     assert trial.motion.beat.waves == pytest.approx(1.8, rel=0.05)
+
+
+@pytest.mark.parametrize(("back", "way"), [(0.3, 1), (0.5, None), (0.7, -1)])
+def test_waves_of_an_animal_that_reverses_are_as_long_as_ever(back, way):
+    """Those that ran back were taken off: of as many as ran forward nothing was left."""
+    film, _ = wave(12.0, 30, noise=0.01, waves=1.4)
+    turned = int((1 - back) * len(film.time_s))
+    there = np.concatenate([np.arange(turned), turned - np.arange(len(film.time_s) - turned)])
+    found = beat(motion(film.time_s, film.joint_angles[there]))
+    assert abs(found.waves) == pytest.approx(1.4, rel=0.05)
+    assert way is None or np.sign(found.waves) == way

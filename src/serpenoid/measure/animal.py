@@ -56,8 +56,11 @@ def bends_run(motion: Motion) -> float:
 def edges_per_wave(motion: Motion) -> float:
     """Edges that one wave of bending spans, from the mean phase that each joint lags behind the next; infinite: none.
 
+    phase: of the beat; where nothing repeats
     phase = arg sum_t z_{j+1} conj(z_j),     z: analytic signals of the joint angles in the longest stretch
     """
+    if motion.beat is not None and motion.beat.waves:
+        return (motion.joint_angles.shape[1] + 1) / abs(motion.beat.waves)
     from scipy.signal import hilbert  # as long to import as all the rest, and robots need it not
 
     run = max(motion.runs, key=lambda r: r.stop - r.start)
