@@ -109,7 +109,8 @@ def trial_lines(trial: Trial, said: Container[str] = ()) -> list[str]:
         lines.append(f"  body              {_body_words(trial, motion)}")
         lines += _beat_lines(trial, motion)
         unit = metric(trial.metres * motion.marker_sd) if trial.metres else f"{motion.marker_sd:.5f} body lengths"
-        lines.append(f"  marker noise      {unit} (misfit of the rigid links)")
+        misfit = "of points about a body of constant length" if trial.body.is_animal else "misfit of the rigid links"
+        lines.append(f"  marker noise      {unit} ({misfit})")
         lines.append(f"  seconds           {_seconds_words(trial, motion)}")
         for p in trial.passages:
             what = "displacement" if trial.schedule is None else f"cycle {p.cycle + 1}"

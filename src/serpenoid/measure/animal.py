@@ -180,8 +180,8 @@ def _cuts(motion: Motion) -> list[str]:
     )
     return [
         f"its whole body is elsewhere from one frame to the next at {listed(moments[:MOST_TOLD])}{also} s: is the film "
-        "cut there, or was the camera moved? Every side is used by itself, but displacements go across: name the file "
-        f"in {len(moments) + 1} trials, {split}"
+        "cut there, was the camera moved, or is it another animal? Every side is used by itself, but displacements "
+        f"go across: name the file in {len(moments) + 1} trials, {split}"
     ]
 
 
