@@ -1,11 +1,13 @@
 """Beats that vary: how many there are, whatever the film; and none where a body rests, trembles, turns or wanders."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
+from serpenoid.cli.measure import trial_lines
 from serpenoid.measure.beat import beat
 from serpenoid.measure.load import load_campaign
 from specimens import animal_campaign
@@ -113,3 +115,17 @@ def test_waves_of_an_animal_that_reverses_are_as_long_as_ever(back, way):
     found = beat(motion(film.time_s, film.joint_angles[there]))
     assert abs(found.waves) == pytest.approx(1.4, rel=0.05)
     assert way is None or np.sign(found.waves) == way
+
+
+@pytest.mark.parametrize(("waves", "runs"), [(0.0, False), (0.2, True)])
+def test_bends_that_stand_run_nowhere(waves, runs):
+    assert beat(wave(6.0, 30, noise=0.01, waves=waves)[0]).runs is runs
+
+
+def test_of_bends_that_run_to_and_fro_no_direction_is_said(tmp_path):
+    _, points, _ = Curve(ratio=5.0, waves=1.2, amplitude=0.5, turn=0.0).film(11, 120, 4)
+    both = np.concatenate([points, points[-2::-1]])
+    (trial,) = load_campaign(animal_campaign(tmp_path, "a", np.arange(len(both)) / 30, 100 * both, "mm")).trials
+    said = "\n".join(trial_lines(trial))
+    assert re.search(r"Hz, 1\.[12]\d* waves on the body$", said, re.MULTILINE)
+    assert "its bends stand, or run to and fro" in said

@@ -32,6 +32,7 @@ RIGID = (
     "its points are taken for joints of rigid links: of an animal, or another body that bends along its length, K "
     'comes out 8 to 35 % too small so. For one set `kind = "swimmer"` or `"crawler"` in [body]'
 )
+STANDING = 0.05  # of the way that bends run: less has no direction
 LEAST_SHARE = 0.005  # of a path: less is told as 0 %
 
 
@@ -151,11 +152,12 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
     rigid = () if body.is_animal else (RIGID,)
     head_first, run = leading(motion), bends_run(motion)
     which = "head first" if head_first > 0.5 else "tail first"
-    way = "from head to tail" if run > 0 else "from tail to head"
+    way = "run from head to tail" if run > 0 else "run from tail to head"
+    way = way if abs(run) > STANDING else "stand, or run to and fro"
     if not Signal(motion.time_s, motion.poses[:, :2]).moves:
         still = "stays where it is: by its points, no farther away than their noise"
         return (*rigid, still, *_clock(motion), *_length(motion))
-    found = [*rigid, f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends run {way}"]
+    found = [*rigid, f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends {way}"]
     if head_first < 0.5 and run < 0:
         found.append(
             "as head and tail would if exchanged, or in a film that runs backwards: if it swam forwards, set "

@@ -35,6 +35,7 @@ MOST_CENTRES = 400  # of a scale that is tried
 ROUNDS = 5  # of turning at the period that the last one found, unless it has
 SETTLED = 1e-6  # of a period
 UNKNOWNS = 3  # of a window: mean, cosine, sine
+STANDING = 0.05  # waves on the body: fewer are told as none
 SINGULAR = 1e-6  # of the Gram matrix: rows at the edge of a window
 
 
@@ -47,6 +48,11 @@ class Beat:
     spread_s: float
     amplitude_rad: Floats
     waves: float
+
+    @property
+    def runs(self) -> bool:
+        """Whether its bends travel."""
+        return abs(self.waves) > STANDING
 
 
 @dataclass(frozen=True)
