@@ -467,10 +467,27 @@ def test_films_of_an_animal_become_a_campaign_by_two_commands(worm: Path, capsys
     assert "has a trial `worm-2` already" in capsys.readouterr().err
 
 
-def test_a_film_that_says_its_times_keeps_them(worm: Path) -> None:
+@pytest.mark.parametrize(
+    ("header", "extra", "told"),
+    [
+        ("t,point,x [cm],y [cm]", ["--columns", "time=t,point=point,x=x [cm],y=y [cm]"], "Here: --length-unit."),
+        ("t,who,x,y", [], "the file has t, who, x, y. Name them in `columns`. Here: --columns."),
+        ("t,point,x,y", [], "Is a row there twice? Leave it out. Here: --columns, --individual."),
+    ],
+)
+def test_what_a_film_lacks_is_said_by_the_options_that_give_it(worm: Path, header, extra, told, capsys) -> None:
+    """No campaign file is there yet, in which a key could be set."""
+    rows = [f"{f / 10},{point},{point},{f % 2}" for f in range(10) for point in (0, 1, 2, 3, 3)]
+    (worm / "long.csv").write_text("\n".join([header, *rows]))
+    assert main(["new", "campaign", "c", "--film", "long.csv", "--format", "long", "--yes", *extra]) == 2
+    assert told in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_film_that_says_its_times_keeps_them(worm: Path, capsys: pytest.CaptureFixture) -> None:
     rows = [f"{f / 10:.1f},0,0,1,{f % 2},2,0,3,0" for f in range(20)]
     (worm / "tidy.csv").write_text("\n".join(["t_s,x_0,y_0,x_1,y_1,x_2,y_2,x_3,y_3", *rows]))
     path = new("campaign", worm / "c", "--film", "tidy.csv", "--format", "tidy", "--length-unit", "mm")
+    assert "frames-per-second" not in capsys.readouterr().out
     text = (path / "campaign.toml").read_text()
     assert "frames_per_second" not in text
     assert "vertices = 4" in text

@@ -42,6 +42,7 @@ def test_a_wrong_model_is_told_that_its_intervals_say_nothing(trials):
     text = said(0.3, 11.0, trials)
     assert "the model is wrong somewhere, and intervals hold only if it is right" in text
     assert ("what trials differ by" in text) == (trials > 1)
+    assert ("another law of drag" in text) == snake().law.linear
     assert not said(0.3, 1.0, trials)
 
 

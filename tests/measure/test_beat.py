@@ -1,11 +1,13 @@
 """Beats that vary: how many there are, whatever the film; and none where a body rests, trembles, turns or wanders."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
+from serpenoid.cli.measure import trial_lines
 from serpenoid.measure.beat import beat
 from serpenoid.measure.load import load_campaign
 from specimens import animal_campaign
@@ -102,3 +104,28 @@ def test_a_beat_whose_noise_is_most_of_every_joint_angle_is_counted_by_bends_of_
     assert (np.diff(angles, n=2, axis=0) ** 2).mean() / 6 > 0.8 * angles.var(axis=0).mean()
     assert trial.motion.beat.period_s == pytest.approx(2.0, rel=0.02)
     assert trial.motion.beat.waves == pytest.approx(1.8, rel=0.05)
+
+
+@pytest.mark.parametrize(("back", "way"), [(0.3, 1), (0.5, None), (0.7, -1)])
+def test_waves_of_an_animal_that_reverses_are_as_long_as_ever(back, way):
+    """Those that ran back were taken off: of as many as ran forward nothing was left."""
+    film, _ = wave(12.0, 30, noise=0.01, waves=1.4)
+    turned = int((1 - back) * len(film.time_s))
+    there = np.concatenate([np.arange(turned), turned - np.arange(len(film.time_s) - turned)])
+    found = beat(motion(film.time_s, film.joint_angles[there]))
+    assert abs(found.waves) == pytest.approx(1.4, rel=0.05)
+    assert way is None or np.sign(found.waves) == way
+
+
+@pytest.mark.parametrize(("waves", "runs"), [(0.0, False), (0.2, True)])
+def test_bends_that_stand_run_nowhere(waves, runs):
+    assert beat(wave(6.0, 30, noise=0.01, waves=waves)[0]).runs is runs
+
+
+def test_of_bends_that_run_to_and_fro_no_direction_is_said(tmp_path):
+    _, points, _ = Curve(ratio=5.0, waves=1.2, amplitude=0.5, turn=0.0).film(11, 120, 4)
+    both = np.concatenate([points, points[-2::-1]])
+    (trial,) = load_campaign(animal_campaign(tmp_path, "a", np.arange(len(both)) / 30, 100 * both, "mm")).trials
+    said = "\n".join(trial_lines(trial))
+    assert re.search(r"Hz, 1\.[12]\d* waves on the body$", said, re.MULTILINE)
+    assert "its bends stand, or run to and fro" in said

@@ -109,7 +109,8 @@ def trial_lines(trial: Trial, said: Container[str] = ()) -> list[str]:
         lines.append(f"  body              {_body_words(trial, motion)}")
         lines += _beat_lines(trial, motion)
         unit = metric(trial.metres * motion.marker_sd) if trial.metres else f"{motion.marker_sd:.5f} body lengths"
-        lines.append(f"  marker noise      {unit} (misfit of the rigid links)")
+        misfit = "of points about a body of constant length" if trial.body.is_animal else "misfit of the rigid links"
+        lines.append(f"  marker noise      {unit} ({misfit})")
         lines.append(f"  seconds           {_seconds_words(trial, motion)}")
         for p in trial.passages:
             what = "displacement" if trial.schedule is None else f"cycle {p.cycle + 1}"
@@ -136,13 +137,17 @@ def _beat_lines(trial: Trial, motion: Motion) -> list[str]:
     """How an animal bends: what a table commands needs no telling."""
     import numpy as np
 
+    from serpenoid.measure.animal import STANDING, bends_run
+
     found = motion.beat if trial.schedule is None else None
     if found is None:
         return []
     bent = ", ".join(f"{angle:.0f}" for angle in np.degrees(found.amplitude_rad))
-    way = "head to tail" if found.waves > 0 else "tail to head"
+    mostly = bends_run(motion)
+    way = "" if abs(mostly) <= STANDING else " from head to tail" if mostly > 0 else " from tail to head"
+    run = f"{abs(found.waves):.3g} waves on the body{way}" if found.runs else "bends that stand"
     return [
-        f"  gait              {1 / found.period_s:.4g} Hz, {abs(found.waves):.3g} waves on the body from {way}",
+        f"  gait              {1 / found.period_s:.4g} Hz, {run}",
         f"  bending           joints 1 to {len(found.amplitude_rad)}: amplitudes {bent} degrees",
     ]
 

@@ -59,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
     if not (talks or args.yes) and any(getattr(args, q.name.replace("-", "_")) is None for q in template.questions):
         options.complain("this is no terminal, so nothing is asked: options answer, and the rest has its defaults.")
     answers: dict[str, Any] = {}
-    assumed = []
+    assumed: dict[str, str] = {}
     for question in template.questions:
         given = getattr(args, question.name.replace("-", "_"))
         said, idle = bool(answers.get(question.unless)), bool(question.only) and not answers.get(question.only)
@@ -76,9 +76,12 @@ def run(args: argparse.Namespace) -> int:
             answers[question.name] = _ask(question, default)
             continue
         answers[question.name] = question.value(default if given is None else given)
-        assumed += [f"--{question.name} {default}"] if wanted and default else []
+        if wanted and default:
+            assumed[f"--{question.name} {default}"] = question.key
     first = template.write(path, answers)
-    unsaid = [f"Assumed, as nobody said: {', '.join(assumed)}."] if assumed else []
+    written = path.read_text(encoding="utf-8")
+    told = [option for option, key in assumed.items() if f"\n{key}" in written]
+    unsaid = [f"Assumed, as nobody said: {', '.join(told)}."] if told else []
     sys.stdout.write("\n".join([str(path), *unsaid, *_length(args.file, path), f"Begin: {first}", ""]))
     return 0
 

@@ -37,7 +37,7 @@ def complaints(
             if abs(correlation[i, j]) > CORRELATED:
                 pair = f"`{solution.names[j]}` and `{name}`"
                 found.append(f"{pair} cannot be told apart by these data (correlation {correlation[i, j]:.3f})")
-    return (*found, *_size(solution, model.body.is_animal, trials))
+    return (*found, *_size(solution, model, trials))
 
 
 def failed(solution: Solution, model: Model) -> bool:
@@ -69,18 +69,23 @@ def _at_bound(name: str, value: float, scale: float) -> str:
     return said
 
 
-def _size(solution: Solution, animal: bool, trials: int) -> list[str]:
+def _size(solution: Solution, model: Model, trials: int) -> list[str]:
     """Whether what is left is as large as the noise, which is told by how markers miss the links."""
     scale, least = solution.noise_scale, least_by_chance(solution.freedom)
     if scale > OFF:
         others = "; what trials differ by shows how far they are off at least" if trials > 1 else ""
+        asked = (
+            "; another law of drag, dry or quadratic, may be it: `serpenoid diagnose` asks" if model.law.linear else ""
+        )
         return [
             f"what is left is {scale:.1f} times the measurement noise: the model is wrong somewhere, and intervals "
-            f"hold only if it is right: they do not say how far these numbers are from the body's own{others}"
+            f"hold only if it is right: they do not say how far these numbers are from the body's own{others}{asked}"
         ]
     if scale >= least / OFF:
         return []
-    cause = "its points or lengths" if animal else "a marker beside its place, a wrong length, a wrong scale"
+    cause = (
+        "its points or lengths" if model.body.is_animal else "a marker beside its place, a wrong length, a wrong scale"
+    )
     return [
         f"what is left is only {scale:.2f} times the measurement noise, where chance leaves {least:.2f} times or more: "
         f"most of what passes for noise is an error that stays ({cause}), which may be in these numbers, "

@@ -32,6 +32,7 @@ RIGID = (
     "its points are taken for joints of rigid links: of an animal, or another body that bends along its length, K "
     'comes out 8 to 35 % too small so. For one set `kind = "swimmer"` or `"crawler"` in [body]'
 )
+STANDING = 0.05  # of the way that bends run: less has no direction
 LEAST_SHARE = 0.005  # of a path: less is told as 0 %
 
 
@@ -56,8 +57,11 @@ def bends_run(motion: Motion) -> float:
 def edges_per_wave(motion: Motion) -> float:
     """Edges that one wave of bending spans, from the mean phase that each joint lags behind the next; infinite: none.
 
+    phase: of the beat; where nothing repeats
     phase = arg sum_t z_{j+1} conj(z_j),     z: analytic signals of the joint angles in the longest stretch
     """
+    if motion.beat is not None and motion.beat.waves:
+        return (motion.joint_angles.shape[1] + 1) / abs(motion.beat.waves)
     from scipy.signal import hilbert  # as long to import as all the rest, and robots need it not
 
     run = max(motion.runs, key=lambda r: r.stop - r.start)
@@ -148,11 +152,12 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
     rigid = () if body.is_animal else (RIGID,)
     head_first, run = leading(motion), bends_run(motion)
     which = "head first" if head_first > 0.5 else "tail first"
-    way = "from head to tail" if run > 0 else "from tail to head"
+    way = "run from head to tail" if run > 0 else "run from tail to head"
+    way = way if abs(run) > STANDING else "stand, or run to and fro"
     if not Signal(motion.time_s, motion.poses[:, :2]).moves:
         still = "stays where it is: by its points, no farther away than their noise"
         return (*rigid, still, *_clock(motion), *_length(motion))
-    found = [*rigid, f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends run {way}"]
+    found = [*rigid, f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends {way}"]
     if head_first < 0.5 and run < 0:
         found.append(
             "as head and tail would if exchanged, or in a film that runs backwards: if it swam forwards, set "
@@ -177,8 +182,8 @@ def _cuts(motion: Motion) -> list[str]:
     )
     return [
         f"its whole body is elsewhere from one frame to the next at {listed(moments[:MOST_TOLD])}{also} s: is the film "
-        "cut there, or was the camera moved? Every side is used by itself, but displacements go across: name the file "
-        f"in {len(moments) + 1} trials, {split}"
+        "cut there, was the camera moved, or is it another animal? Every side is used by itself, but displacements "
+        f"go across: name the file in {len(moments) + 1} trials, {split}"
     ]
 
 

@@ -35,18 +35,24 @@ MOST_CENTRES = 400  # of a scale that is tried
 ROUNDS = 5  # of turning at the period that the last one found, unless it has
 SETTLED = 1e-6  # of a period
 UNKNOWNS = 3  # of a window: mean, cosine, sine
+STANDING = 0.05  # waves on the body: fewer are told as none
 SINGULAR = 1e-6  # of the Gram matrix: rows at the edge of a window
 
 
 @dataclass(frozen=True)
 class Beat:
     """How a body bends, where it repeats: mean period [s] and SD of single beats [s], amplitude (m,) of each joint's
-    sine [rad], and waves on the body, > 0 where they run from head to tail; 0: bends that stand."""
+    sine [rad], and waves on the body, > 0 where they run from head to tail most of the time; 0: bends that stand."""
 
     period_s: float
     spread_s: float
     amplitude_rad: Floats
     waves: float
+
+    @property
+    def runs(self) -> bool:
+        """Whether its bends travel."""
+        return abs(self.waves) > STANDING
 
 
 @dataclass(frozen=True)
@@ -77,9 +83,15 @@ def beat(motion: Motion) -> Beat | None:
         return None
     rate = np.clip(np.gradient(turned, sines.centres), 1 / (2 * period), 2 / period)
     own = _evenly_seen(time_s, sines_about(time_s, angles, sines.centres, 1 / rate), period)
-    phase = float(np.angle((own[:, 1:] * own[:, :-1].conj()).sum()))
     amplitude = np.sqrt((np.abs(own) ** 2).mean(axis=0))
-    return Beat(period, float(seconds.std()), amplitude, phase * (own.shape[1] + 1) / (2 * np.pi))
+    return Beat(period, float(seconds.std()), amplitude, _lag(own) * (own.shape[1] + 1) / (2 * np.pi))
+
+
+def _lag(amplitudes: NDArray[np.complex128]) -> float:
+    """Mean phase from a joint to the next: of an animal that reverses, waves that run back are as long, not none."""
+    lags = (amplitudes[:, 1:] * amplitudes[:, :-1].conj()).sum(axis=1)
+    way = -1.0 if lags.imag.sum() < 0 else 1.0
+    return float(way * np.angle((lags.real + 1j * np.abs(lags.imag)).sum()))
 
 
 def _scale(time_s: Floats, angles: Floats) -> float | None:

@@ -86,10 +86,10 @@ def numbered(header: Sequence[str], wanted: str | Sequence[str], role: str, path
     return [name for _, name in found]
 
 
-def find_column(header: Sequence[str], name: str, role: str, path: Path) -> int:
+def find_column(header: Sequence[str], name: str, role: str, path: Path, cure: str = "") -> int:
     """The place of a column; InputError where it is not there, or there twice."""
     if name not in header:
-        raise InputError(f"{path}: row 1: no column `{name}` (for `{role}`); the file has {shown(header)}.")
+        raise InputError(f"{path}: row 1: no column `{name}` (for `{role}`); the file has {shown(header)}.{cure}")
     if header.count(name) > 1:
         raise InputError(f"{path}: row 1: column `{name}` (for `{role}`) is there twice.")
     return header.index(name)

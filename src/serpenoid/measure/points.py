@@ -30,6 +30,8 @@ from serpenoid.measure.scores import sure
 from serpenoid.measure.tracks import DOWN, METRES, Tracks, floor_plane, no_time, upright
 
 MOST_CELLS = 200_000_000
+OTHER_NAMES = " Name them in `columns`."
+TWICE = " Is a row there twice? Leave it out."
 SEVERAL = " Of several animals? Then `columns` needs `individual`, and the trial names one: `individual`."
 
 
@@ -46,7 +48,7 @@ def read_long(
     path = Path(path)
     rows = read_rows(path)
     header = [cell.strip() for cell in rows[0]]
-    found = {role: find_column(header, name, role, path) for role, name in columns.items()}
+    found = {role: find_column(header, name, role, path, OTHER_NAMES) for role, name in columns.items()}
     clock = "time" if "time" in columns else "frame"
     if clock == "frame" and not frames_per_second:
         raise no_time(path, "has no time column")
@@ -66,7 +68,9 @@ def read_long(
     if len(taken) != len(data):
         row = int(own[np.setdiff1d(np.arange(len(data)), again)[0]])
         cure = "" if "individual" in columns else SEVERAL
-        raise InputError(f"{place(path, row + 1, where[1], columns['point'])}: this point is twice in one frame.{cure}")
+        raise InputError(
+            f"{place(path, row + 1, where[1], columns['point'])}: this point is twice in one frame.{cure}{TWICE}"
+        )
     if len(stamps) * len(points) > MOST_CELLS:
         raise InputError(f"{path}: {len(stamps)} times of {len(points)} points: is `{columns['point']}` their number?")
     floor = np.full((len(stamps), len(points), 2), np.nan)

@@ -100,7 +100,8 @@ def paths_figure(d: Diagnosis) -> Figure:
     handles = [axes.flat[0].plot([], [], color=LABELS[n], label=n, **style[n])[0] for n in shown]
     handles += axes.flat[0].plot([], [], ".", color=INK, ms=4, label="dots: where windows end")
     if len(tracks) > len(settings):
-        handles += axes.flat[0].plot([], [], color=in_turn(INK, 1, 2), lw=0.8, label="later repeats (paler)")
+        what = "later repeats (paler)" if d.drag_ratio is None else "later parts (paler)"
+        handles += axes.flat[0].plot([], [], color=in_turn(INK, 1, 2), lw=0.8, label=what)
     fig.legend(handles=handles, loc="upper left", ncols=5, frameon=False, fontsize=NORMAL)
     settle(fig, axes, above=0.3, title=0.27)
     return fig

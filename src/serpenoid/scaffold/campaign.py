@@ -50,7 +50,11 @@ QUESTIONS = (
     ),
     Question("format", f"Format of the motion files: {', '.join(NAMES)}", "motive", one_of(*NAMES)),
     Question(
-        "frames-per-second", "Frames per second of the cameras, where their files do not say", "120", number(0, 1e5)
+        "frames-per-second",
+        "Frames per second of the cameras, where their files do not say",
+        "120",
+        number(0, 1e5),
+        key="frames_per_second",
     ),
     *OF_A_FILM,
 )

@@ -54,7 +54,10 @@ def campaign_of(answers: Answers, folder: Path) -> list[str]:
         raise InputError(
             f"--film: its name becomes the trial's, which {error}, got {film.stem!r}. Rename it."
         ) from None
-    said, tracks = _read(film, answers)
+    try:
+        said, tracks = _read(film, answers)
+    except InputError as error:
+        raise InputError(f"{error}{_options(str(error))}") from None
     points = [n for n, fragment in zip(tracks.names, tracks.unlabelled, strict=True) if not fragment]
     body = validate(Body, {"kind": answers["kind"], "vertices": len(points)}, str(film))
     if tracks.first_point is None:
@@ -108,6 +111,12 @@ def _read(film: Path, answers: Answers) -> tuple[dict[str, Any], Tracks]:
         return said, read({})
     except NoTime:
         return said | rate, read(rate)
+
+
+def _options(said: str) -> str:
+    """What keys of a campaign file that a refusal names are called here, where there is none yet."""
+    told = [f"--{q.name}" for q in OF_A_FILM if f"`{q.name.replace('-', '_')}" in said]
+    return f" Here: {', '.join(told)}." if told else ""
 
 
 def _toml(value: Any) -> str:

@@ -21,6 +21,7 @@ class Question:
 
     unless, only: another question; where that has an answer (only: has none), this one is not looked at.
     of_robots: not asked of an animal, whose answer is None unless it is given; animals: other defaults, by their kind.
+    key: of the file; where it is not written, nothing was assumed.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Question:
     only: str = ""
     of_robots: bool = False
     animals: Mapping[str, str] = field(default_factory=dict)
+    key: str = ""
 
     def default_for(self, answers: Answers) -> str:
         """The default beside what is answered already."""
