@@ -15,7 +15,7 @@ Legend: R readings, m joints, K coefficients.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -89,9 +89,22 @@ class ShapeInTime:
         """Of each joint's means over some times (R, T): (m, R, R) [rad^2], as readings scatter about the spline, which
         is s^2 B N^-1 B^t, N the normal matrix of the fit, stiffness included (Wahba, J. R. Stat. Soc. B 45, 133, 1983).
         """
-        base = BSpline.design_matrix(self._within(times.ravel()), self.spline.t, DEGREE).toarray()
-        here = base.reshape(*times.shape, -1).mean(axis=1)
+        here = self._base(times.ravel()).reshape(*times.shape, -1).mean(axis=1)
         found = np.zeros((self.spline.c.shape[1], len(times), len(times)))
+        for mine, solved, squares in self._scattered(here):
+            found[mine] = (here @ solved) * squares[:, None, None]
+        return found
+
+    def variance(self, time: Floats) -> Floats:
+        """Of each joint's angle at each of some times (R,): (R, m) [rad^2]; see `covariance`."""
+        here = self._base(time)
+        found = np.zeros((len(time), self.spline.c.shape[1]))
+        for mine, solved, squares in self._scattered(here):
+            found[:, mine] = np.einsum("rk,kr->r", here, solved)[:, None] * squares
+        return found
+
+    def _scattered(self, here: Floats) -> Iterator[tuple[list[int], Floats, Floats]]:
+        """Of rows B (R, K): joints that are alike, N^-1 B^t (K, R), and each of these joints' s^2."""
         left = [s.values - self.at(s.time) for s in self.sources]
         for stiff in np.unique(self.stiffness):
             for alike in _alike(self.sources):
@@ -99,10 +112,12 @@ class ShapeInTime:
                 told = _Told.of(self.sources, self.spline.t, mine, left) if mine else None
                 if told is not None and told.enough:
                     normal = told.normal(stiff)
-                    shape = here @ solveh_banded(normal, here.T, lower=True)
-                    freedom = told.freedom(normal)
-                    found[mine] = shape * ((told.said**2).sum(axis=0) / freedom)[:, None, None]
-        return found
+                    solved = np.asarray(solveh_banded(normal, here.T, lower=True))
+                    yield mine, solved, (told.said**2).sum(axis=0) / told.freedom(normal)
+
+    def _base(self, time: Floats) -> Floats:
+        """B-splines (R, K) at some times."""
+        return np.asarray(BSpline.design_matrix(self._within(time), self.spline.t, DEGREE).toarray())
 
     def _within(self, time: Floats) -> Floats:
         return np.clip(time, self.spline.t[0], self.spline.t[-1])

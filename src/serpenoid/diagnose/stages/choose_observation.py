@@ -21,6 +21,7 @@ from serpenoid.diagnose.stages.looked import Key, Looked, effect_of, gained_beyo
 from serpenoid.diagnose.stages.marker_evidence import (
     along,
     apart,
+    beside_readings,
     by_trial,
     misfit_beside,
     sample,
@@ -170,9 +171,11 @@ def _left_over(
         divided = _from_trial_to_trial(best, worst)
         words += () if divided is None else (divided.words,)
     if not words and all_squares > known[-1] * (1 + VISIBLE**2):  # nothing that lasts from frame to frame
-        words = (f"markers are off by {np.sqrt(all_squares):.1f} times the noise of most frames, now here, now there: "
-                 "look for reflections and mistaken matches in single frames, or joints that jump between two readings "
-                 "of the log",)  # fmt: skip
+        beyond = beside_readings(best.data, best.now)
+        if beyond > 1 + VISIBLE**2:
+            words = (f"markers are off by {np.sqrt(beyond):.1f} times the noise of most frames, now here, now there: "
+                     "look for reflections and mistaken matches in single frames, or joints that jump between two "
+                     "readings of the log",)  # fmt: skip
     share = np.where(news > 1 + VISIBLE**2, np.sqrt(1 - 1 / np.maximum(news, 1.0)), 0.0)
     return float(np.hypot(1.0, size)), words, (*squares.tolist(), all_squares), tuple(share.tolist()), divided
 

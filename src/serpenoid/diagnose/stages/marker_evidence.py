@@ -23,6 +23,7 @@ from serpenoid.diagnose.data.columns import column_count
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, placed, register, turn
 from serpenoid.diagnose.data.observation import Observation, across, lying
 from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.shape_in_time import ShapeInTime
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.measure.links import link_of_edge, marker_angles
 from serpenoid.measure.servo_alignment import QUANTISATION_SD
@@ -39,7 +40,8 @@ class Sample:
 
     frame_s, reading_s: between frames and between readings [s]. trials: of each trial all readings and the joint angles
     that markers show (frames, m), and which frames were taken;
-    names: of the trials.
+    names: of the trials. shapes: of each trial what its readings were smoothed by, the times of its frames and at which
+    joints bends are what markers show.
     """
 
     body: Body
@@ -51,6 +53,7 @@ class Sample:
     reading_s: float
     trials: tuple[tuple[Floats, Floats, np.ndarray], ...]
     names: tuple[str, ...]
+    shapes: tuple[tuple[ShapeInTime, Floats, np.ndarray], ...]
 
     @cached_property
     def seen(self) -> np.ndarray:
@@ -93,6 +96,11 @@ class Sample:
         return np.concatenate([angles, np.full(self.body.vertices - 1, np.sqrt(2) * averaged)])
 
     @cached_property
+    def readings_variance(self) -> Floats:
+        """Of readings (F, m) [rad^2], smoothed as they are: large where few of them are. 0 where markers tell bends."""
+        return np.concatenate([np.where(shown, 0.0, s.variance(time)) for s, time, shown in self.shapes])
+
+    @cached_property
     def sums(self) -> dict[bytes, Evidence]:
         """What was asked of evidence of all columns, by the numbers of the observation model that it is about."""
         return {}
@@ -132,7 +140,7 @@ class Sample:
 def sample(recordings: Sequence[Recording]) -> Sample:
     """Thin the recordings; the noise comes from neighbouring frames."""
     body = recordings[0].body
-    markers, readings, labels, trials = [], [], [], []
+    markers, readings, labels, trials, splines = [], [], [], [], []
     gaits = {name: i for i, name in enumerate(dict.fromkeys(r.gait for r in recordings))}
     for r in recordings:
         seen = np.isfinite(r.markers[..., 0]).sum(axis=1)
@@ -142,11 +150,12 @@ def sample(recordings: Sequence[Recording]) -> Sample:
         readings.append(r.angles[some])
         trials.append((r.angles, marker_angles(body, r.markers), some))
         labels.append(np.full(len(some), gaits[r.gait]))
+        splines.append((r.shape, r.time[some], r.by_markers))
     noise, frame_s = (float(np.median(x)) for x in zip(*((r.marker_noise, r.frame_s) for r in recordings), strict=True))
     reading_s = float(np.median([np.median(np.diff(r.log_time)) for r in recordings]))
     return Sample(
         body, np.concatenate(markers), np.concatenate(readings), np.concatenate(labels), noise, frame_s, reading_s,
-        tuple(trials), tuple(r.name for r in recordings),
+        tuple(trials), tuple(r.name for r in recordings), tuple(splines),
     )  # fmt: skip
 
 
@@ -158,6 +167,24 @@ def misfit(data: Sample, now: Observation) -> float:
 def left_over(data: Sample, now: Observation) -> Floats:
     """What an observation model leaves of all coordinates (2 F N,), in units of marker noise; 0 of hidden ones."""
     return _left_by(data, now, data.angles(now))[1].ravel()
+
+
+def beside_readings(data: Sample, now: Observation) -> float:
+    """Mean square of what an observation model leaves of all coordinates, over what noise makes of it in each frame,
+    that of the readings included:
+
+    E_f = 1 + sum_j v_fj |z_fj|^2 / n_f     v: variance of a reading, z: what a bend moves of the markers, rigid motions
+    taken away, in units of their noise, n: degrees of freedom of the frame
+    """
+    angles, joints = data.angles(now), range(data.body.joint_count)
+    base, rows, headings = _left_by(data, now, angles)
+    bends = now.derivatives(data.body, angles, partial(data.by_gap, now), joints, headings)  # a zero's column: bends
+    moved = np.moveaxis(bends.reshape(len(joints), *rows.shape) * data.weights, 0, 1)
+    inside = moved @ np.swapaxes(_rigid(base, data.seen), 1, 2)
+    squares = (moved**2).sum(axis=2) - (inside**2).sum(axis=2)
+    freedom = 2.0 * data.seen[..., 0].sum(axis=1) - 3
+    expected = 1 + (data.readings_variance * squares).sum(axis=1) / freedom
+    return float(((rows**2).sum(axis=1) / expected).sum() / freedom.sum())
 
 
 def misfit_beside(data: Sample, now: Observation, joints: Sequence[int]) -> float:
