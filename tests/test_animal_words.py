@@ -91,6 +91,7 @@ def test_two_points_are_told_why_three_are_the_least(tmp_path: Path) -> None:
         load_campaign_file(tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("virtual_machine")
 def test_a_fit_that_prints_its_numbers_says_what_is_wrong_with_them() -> None:
     found = sp.fit(ROOT / "problems" / "campaigns" / "lamprey.toml")

@@ -30,6 +30,7 @@ def diagnosed(folder: Path, other: Callable[[int], bool], settings: int = 1) -> 
     return diagnose(recordings, Baseline(baseline(None, file, file.body)), lambda text: None)
 
 
+@pytest.mark.slow
 def test_another_floor_in_every_repeat_is_no_chance(tmp_path: Path) -> None:
     found = diagnosed(tmp_path, lambda i: i % 2 == 1)
     assert found.verdict == "unexplained"

@@ -6,6 +6,7 @@ import csv
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
@@ -36,6 +37,7 @@ def without_blank_rows(folder: Path) -> int:
     return gone
 
 
+@pytest.mark.slow
 def test_steps_across_gaps_are_found_though_their_frames_are_not_in_the_file(tmp_path: Path) -> None:
     write(make(31, [Effect("position_jumps", None, {"size": SIZE})], combinations=COMBINATIONS[:2]), tmp_path)
     assert without_blank_rows(tmp_path) > 0

@@ -77,6 +77,7 @@ def test_dry_friction_is_told_of_where_it_is_the_law(dragged: tuple[Motion, Fit]
     assert asked(*on_dry(dragged)).startswith("dry friction (Coulomb) misses windows by 1.0 times the noise")
 
 
+@pytest.mark.slow
 def test_quadratic_drag_is_told_of_where_it_is_the_law(dragged: tuple[Motion, Fit]) -> None:
     motion, null = dragged
     quick = on_rival(null.model, LAWS["quadratic"])

@@ -52,6 +52,7 @@ def diagnosed(folder: Path, model: str, out: Path) -> dict[str, Any]:
     return json.loads((out / "diagnosis.json").read_text())
 
 
+@pytest.mark.slow
 def test_where_vertices_are_assumed_the_middles_are_told_of(smooth: Path, tmp_path: Path) -> None:
     said = diagnosed(smooth, str(smooth / "vertex.toml"), tmp_path / "out")
     assert said["law"]["drag_at"].startswith("drag in the middles of edges misses windows by")

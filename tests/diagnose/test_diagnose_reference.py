@@ -206,6 +206,7 @@ def test_a_habit_of_readings_is_in_both_campaigns_and_no_noise_of_their_differen
     assert (now.noise < np.asarray(now.unsure) / 5).all()
 
 
+@pytest.mark.slow
 def test_less_than_the_habit_of_readings_says_nothing_of_servos(followed: tuple[Recording, ...]) -> None:
     _, stage = _changed(followed, 1.8)  # 0.8 times: the floor alone may do as much
     assert not stage.named

@@ -53,7 +53,8 @@ def test_in_a_swimmer_by_drag_alone_nothing_is_found(seed: int, tmp_path: Path) 
     assert found["anisotropy_ratio"]["after"] == pytest.approx(eps, rel=0.01)  # 0.3 % from smoothed shapes
 
 
-@pytest.mark.parametrize("seed", [41, pytest.param(42, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [41, 42])
 def test_hidden_added_mass_is_found_and_its_interval_covers_it(seed: int, tmp_path: Path) -> None:
     rng = np.random.default_rng(seed)
     eps, tau = float(rng.uniform(0.5, 0.85)), float(np.exp(rng.uniform(np.log(0.15), np.log(0.8))))

@@ -249,6 +249,7 @@ def test_all_pieces_of_a_recording_with_long_gaps_are_used(rehearsed, tmp_path):
     assert any("dropped" in note for note in found.notes)
 
 
+@pytest.mark.slow
 def test_not_knowing_the_lengths_moves_eps_as_a_fit_with_other_lengths_does(rehearsed, tmp_path):
     """The jackknife's first-order shifts are those of whole fits; with lengths given there is nothing to add."""
     folder, given, _ = rehearsed

@@ -48,6 +48,7 @@ def test_unequal_links_on_dry_ground_are_optimised_from_every_start(unequal: Mul
     assert unequal.best.cost < -0.588
 
 
+@pytest.mark.slow
 def test_of_failed_starts_the_gait_that_goes_is_shown_and_not_the_one_that_stands(unequal: MultiStart) -> None:
     """IPOPT's last points differ by how far they are off the equations of motion; gaits are simulated without."""
     going = unequal.best

@@ -46,6 +46,7 @@ def children() -> list[int]:
     return [pid for pid in pids if b"popen_loky" in Path(f"/proc/{pid}/cmdline").read_bytes()]
 
 
+@pytest.mark.slow
 def test_a_worker_killed_amid_the_starts_loses_nothing_and_changes_no_bit(alone: MultiStart, tmp_path: Path) -> None:
     killed: list[int] = []
 
