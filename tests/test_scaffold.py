@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pty
+import re
 import shlex
 import shutil
 import subprocess
@@ -97,6 +98,17 @@ def test_a_new_robot_file_fits_its_problem_and_passes_its_gait(tmp_path: Path) -
     robot = load_file(Robot, path)
     assert robot.ids == [11, 12, 13, 14, 15, 16]
     assert check_table(simulate(problem).table, robot, 5.0, robot.nominal_V) == []
+
+
+@pytest.mark.parametrize(("said", "written"), [("3.25", 3.25), ("", 5.0), ("900", 5.0)])
+def test_a_new_robot_file_has_the_cycle_of_its_problem(tmp_path: Path, said: str, written: float) -> None:
+    """If robots play such long ones; results that say none are then played as the problem asks."""
+    problem = new("problem", tmp_path / "mine.toml", *SIX)
+    text = re.sub(r"(?m)^cycle_duration_s.*\n", "", problem.read_text(encoding="utf-8"))
+    own = f"[task]\ncycle_duration_s = {said}" if said else "[task]"
+    problem.write_text(text.replace("[task]", own), encoding="utf-8")
+    robot = load_file(Robot, new("robot", tmp_path / "servos.toml", "--problem", str(problem)))
+    assert robot.motion.cycle_duration_s == written
 
 
 def test_a_gait_at_the_limit_is_within_the_same_limit_of_a_new_robot_file(tmp_path: Path) -> None:
