@@ -410,7 +410,7 @@ def test_power_stream_is_recorded_beside_the_servo_log(tmp_path):
     assert "power_log" in (tmp_path / "log" / "trial.toml").read_text()
 
 
-@pytest.mark.parametrize("words", [["play"], ["export"], ["robot"], ["robot", "emulate"]])
+@pytest.mark.parametrize("words", [["play"], ["export"], ["robot"], ["robot", "check"], ["robot", "emulate"]])
 def test_help_teaches_by_example(words):
     done = serpenoid(*words, "--help")
     assert done.returncode == 0
