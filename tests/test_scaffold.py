@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pty
+import re
 import shlex
 import shutil
 import subprocess
@@ -18,7 +19,8 @@ import pytest
 
 from serpenoid.cli.main import main
 from serpenoid.files.schema import load as load_file
-from serpenoid.measure.campaign import load_campaign_file
+from serpenoid.measure.campaign import load_campaign_file, read_motion
+from serpenoid.measure.columns import SECONDS
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trial_files import read_files
 from serpenoid.problem import load
@@ -97,6 +99,17 @@ def test_a_new_robot_file_fits_its_problem_and_passes_its_gait(tmp_path: Path) -
     robot = load_file(Robot, path)
     assert robot.ids == [11, 12, 13, 14, 15, 16]
     assert check_table(simulate(problem).table, robot, 5.0, robot.nominal_V) == []
+
+
+@pytest.mark.parametrize(("said", "written"), [("3.25", 3.25), ("", 5.0), ("900", 5.0)])
+def test_a_new_robot_file_has_the_cycle_of_its_problem(tmp_path: Path, said: str, written: float) -> None:
+    """If robots play such long ones; results that say none are then played as the problem asks."""
+    problem = new("problem", tmp_path / "mine.toml", *SIX)
+    text = re.sub(r"(?m)^cycle_duration_s.*\n", "", problem.read_text(encoding="utf-8"))
+    own = f"[task]\ncycle_duration_s = {said}" if said else "[task]"
+    problem.write_text(text.replace("[task]", own), encoding="utf-8")
+    robot = load_file(Robot, new("robot", tmp_path / "servos.toml", "--problem", str(problem)))
+    assert robot.motion.cycle_duration_s == written
 
 
 def test_a_gait_at_the_limit_is_within_the_same_limit_of_a_new_robot_file(tmp_path: Path) -> None:
@@ -471,6 +484,7 @@ def test_films_of_an_animal_become_a_campaign_by_two_commands(worm: Path, capsys
     ("header", "extra", "told"),
     [
         ("t,point,x [cm],y [cm]", ["--columns", "time=t,point=point,x=x [cm],y=y [cm]"], "Here: --length-unit."),
+        ("t [ms],point,x,y", ["--columns", "time=t [ms],point=point,x=x,y=y"], "Here: --time-unit."),
         ("t,who,x,y", [], "the file has t, who, x, y. Name them in `columns`. Here: --columns."),
         ("t,point,x,y", [], "Is a row there twice? Leave it out. Here: --columns, --individual."),
     ],
@@ -494,6 +508,17 @@ def test_a_film_that_says_its_times_keeps_them(worm: Path, capsys: pytest.Captur
     assert 'length_unit = "mm"' in text
 
 
+@pytest.mark.parametrize("told", ["s", "ms"])
+def test_a_films_times_are_in_the_unit_that_an_option_tells(worm: Path, told: str) -> None:
+    rows = [f"{10.0 * f / SECONDS[told]:.1f},0,0,1,{f % 2},2,0,3,0" for f in range(20)]
+    (worm / "tidy.csv").write_text("\n".join(["t_s,x_0,y_0,x_1,y_1,x_2,y_2,x_3,y_3", *rows]))
+    words = ["--film", "tidy.csv", "--format", "tidy", "--length-unit", "mm", "--time-unit", told]
+    file, folder = load_campaign_file(new("campaign", worm / "c", *words))
+    tracks = read_motion(file, file.trial[0], folder)
+    assert tracks is not None
+    assert tracks.time_s[-1] - tracks.time_s[0] == pytest.approx(190.0)
+
+
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
@@ -501,6 +526,8 @@ def test_a_film_that_says_its_times_keeps_them(worm: Path, capsys: pytest.Captur
         (["--kind", "swimmer"], "--kind: is for --film alone. Give that, too."),
         (["--film", "none.csv"], "--film: needs a file that is there"),
         ([*FILMED, "--columns", "time"], "--columns: needs names and words as a=x,b=y, got 'time'"),
+        ([*FILMED, "--time-unit", "ms"], "--time-unit: is for tidy and long films, got --format deeplabcut"),
+        ([*FILMED, "--columns", "time=t"], "--columns: is for tidy and long films, got --format deeplabcut"),
         ([*FILMED, "--individual", "two"], "the file has no names of individuals"),
         (["--film", "worm-1.csv"], 'Is `format = "motive"` right for this file?'),
     ],

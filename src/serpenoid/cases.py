@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
 from serpenoid.files import schema
@@ -19,6 +20,7 @@ from serpenoid.files.inputs import read_json
 from serpenoid.model_file import ModelFile, read_model_file
 from serpenoid.problem import Problem, Robust
 
+STUCK = "stuck_joint"
 NODES = 3  # of a mean over an interval: Gauss-Legendre, exact to the fifth power of the ratio
 
 
@@ -40,6 +42,20 @@ def cases_of(problem: Problem) -> tuple[Case, ...]:
         return _ratios(problem, robust)
     found = _models(problem, robust) if robust.models else _alternatives(problem, robust)
     return tuple(Case(name, _with(problem, model, name), 1 / len(found)) for name, model in found)
+
+
+def told_table(problem: Problem, table: Floats) -> Floats:
+    """The joint table (R, m) [rad] that a robot is told: a joint that is stuck in every case stays where it stands.
+
+    The motion is the same, as no command moves such a joint.
+    """
+    served = [case.problem for case in cases_of(problem)] or [problem]
+    everywhere = set.intersection(*(set(each.effects) for each in served))
+    told = table.copy()
+    for effect in everywhere:
+        if effect.name == STUCK:
+            told[:, (effect.place or 0) - 1] = effect.parameters["angle"]
+    return told
 
 
 def at_ratio(problem: Problem, ratio: float, weight: float = 0.0) -> Case:

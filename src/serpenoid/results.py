@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.cases import told_table
 from serpenoid.errors import InputError, of_kind
 from serpenoid.files.inputs import read_json
 from serpenoid.files.writing import provenance, short_hash, write_csv, write_json
@@ -45,14 +46,15 @@ def write_simulation(
     record |= _goals(problem, simulation.table, trajectory)
     record |= {} if mesh is None else {"mesh": mesh.record}
     record["provenance"] = provenance(problem=problem.name, problem_hash=problem.hash)
-    _write(Path(folder), record, simulation.table, trajectory)
+    table = told_table(problem, simulation.table)
+    _write(Path(folder), record, table, trajectory)
     if figures:
         from serpenoid.plot.figures import simulation_figures, spatial_figures
 
         if isinstance(trajectory, LiftedTrajectory):
-            spatial_figures(folder, problem, trajectory, simulation.table)
+            spatial_figures(folder, problem, trajectory, table)
         else:
-            simulation_figures(Path(folder), problem, trajectory, simulation.table, problem.gait)
+            simulation_figures(Path(folder), problem, trajectory, table, problem.gait)
     return record
 
 
@@ -64,11 +66,12 @@ def write_solution(
 
     of_kind("solution", solution, Solution, "Of many starts it is found.best.")
     record = solution_record(solution) | (summary or {})
-    _write(Path(folder), record, solution.table, solution.trajectory)
+    told = replace(solution, table=told_table(solution.problem, solution.table))
+    _write(Path(folder), record, told.table, told.trajectory)
     if figures:
         from serpenoid.plot.figures import solution_figures
 
-        solution_figures(Path(folder), solution)
+        solution_figures(Path(folder), told)
     return record
 
 

@@ -69,6 +69,14 @@ def test_fit_prints_json_and_nothing_else(folder, tmp_path, capsys):
     assert (tmp_path / "calibration.svg").exists()
 
 
+def test_fit_says_beside_the_papers_number_which_one_is_the_answer(folder, tmp_path, capsys):
+    assert main(["fit", str(folder), "--out", str(tmp_path), "--no-figures"]) == 0
+    said = capsys.readouterr().out
+    beside = said[said.index("best-RMS eps") : said.index("what is left")]
+    assert "the answer is K" in beside
+    assert "distance from the start" in beside
+
+
 def test_compare_quiet_without_figures_writes_numbers_only(folder, tmp_path, capsys):
     assert (
         main(

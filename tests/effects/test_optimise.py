@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -14,8 +17,10 @@ from serpenoid.mechanics.tables import joint_table
 from serpenoid.media import DEFAULT
 from serpenoid.model import Model
 from serpenoid.optimise.extended import realised_angles
-from serpenoid.problem import Problem
+from serpenoid.problem import Problem, Robust
+from serpenoid.results import write_simulation
 from serpenoid.simulation.servos import realise_gait
+from serpenoid.table_file import read_table
 from specimens import nlp_of
 
 OPTIMISED = [n for n, e in catalogue().items() if e.applies_to("nlp")]
@@ -65,6 +70,25 @@ def test_play_in_a_joint_is_optimised_up_to_a_joint_that_never_moves(
     changed = wanted(problem, ActiveEffect.of("backlash", 5, width=width))
     solution = sp.solve_from(changed, start)
     assert solution.status.ok, solution.status.value
+
+
+@pytest.mark.parametrize("healthy", [False, True])
+def test_a_stuck_joint_is_told_to_stay_unless_a_case_is_served_in_which_it_moves(
+    healthy: bool, problem: Problem, tmp_path: Path
+) -> None:
+    stuck = 'effects = [{ name = "stuck_joint", place = 3, angle = 0.3 }]'
+    for name, effects in (("one", stuck), ("other", "" if healthy else stuck)):
+        (tmp_path / f"{name}.toml").write_text(f"{effects}\n[medium]\nanisotropy_ratio = 0.2\n")
+    robust = Robust(models=tuple(str(tmp_path / f"{name}.toml") for name in ("one", "other")))
+    task = problem.task.model_copy(update={"robust": robust, "steps": 20})
+    played = sp.simulate(problem.model_copy(update={"effects": (ActiveEffect.of("stuck_joint", 3, angle=0.3),)}))
+    shown = replace(played, problem=played.problem.model_copy(update={"task": task}))
+    write_simulation(tmp_path / "results", shown, figures=False)
+    told = read_table(tmp_path / "results" / "joint_table.csv")
+    assert (told[:, 2] == 0.3).all() == (not healthy)
+    np.testing.assert_array_equal(np.delete(told, 2, 1), np.delete(played.table, 2, 1))
+    motion = sp.simulate_joint_angles(played.problem.model, told)
+    np.testing.assert_allclose(motion.poses, played.trajectory.poses, atol=1e-14)  # rounding of a + (b - a)
 
 
 @pytest.mark.parametrize("steps", [12, 50])

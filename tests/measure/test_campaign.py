@@ -199,8 +199,9 @@ def test_tidy_files_are_in_vertex_order_whatever_markers_are_called(rehearsed, t
 
 
 def test_a_folder_without_campaign_says_what_to_do(tmp_path):
-    with pytest.raises(InputError, match=r"holds no campaign.toml. See docs/campaign-format.md"):
-        load_campaign(tmp_path)
+    for path, fault in ((tmp_path, "holds no campaign.toml"), (tmp_path / "none", "no such file or folder")):
+        with pytest.raises(InputError, match=rf"{fault}.*serpenoid new campaign.*docs/campaign-format.md"):
+            load_campaign(path)
     (tmp_path / "campaign.toml").mkdir()
     with pytest.raises(InputError, match=r"campaign.toml: is a folder, where a file of this name belongs"):
         load_campaign(tmp_path)

@@ -126,6 +126,13 @@ def test_a_turn_has_its_mesh_error_in_words_too() -> None:
     assert "turn" not in MeshStudy(50, (0.5, 0.5, 0.5), still).words
 
 
+@pytest.mark.parametrize(("forward", "turn", "shares"), [(0.6, 0.0012, 1), (1e-4, 1.0, 1), (0.6, 0.3, 2)])
+def test_an_error_is_a_share_only_of_what_moves_the_body(forward: float, turn: float, shares: int) -> None:
+    """Of a turn that is zero with these steps, as asked for, the error is all there is."""
+    goes, turns = (0.99 * forward, forward, forward), (0.0, turn, turn)
+    assert MeshStudy(50, goes, (0.0, 0.0, 0.0), turns).words.count(" %)") == shares
+
+
 def test_a_table_is_refined_by_straight_lines_that_keep_its_rows() -> None:
     table = random_table(reference(), np.random.default_rng(3), 12)
     family = TableGait().of(10, 12)

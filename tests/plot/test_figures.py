@@ -193,6 +193,20 @@ def test_a_motion_is_drawn_until_what_is_asked_for_has_been_reached(problem, tra
     assert ax.get_title(loc="left").endswith("; 3 cycles")
 
 
+@pytest.mark.parametrize("walls", [(), ({"kind": "half_plane", "point": (0, -0.3), "normal": (0, 1)},)])
+def test_the_scale_bar_stands_on_no_wall(walls, problem, trajectory):
+    task = {"steps": 20, "demands": walls}
+    asked = Problem.model_validate(problem.model_dump(exclude_unset=True) | {"task": task})
+    fig = figures.motion_figure(trajectory, asked)
+    FigureCanvasAgg(fig).draw()
+    ax = fig.axes[0]
+    (words,) = (text for text in ax.texts if "body length" in text.get_text())
+    place = words.get_window_extent()
+    assert ax.bbox.contains(*place.p0) == (not walls)
+    assert fig.bbox.contains(*place.p0)
+    assert not place.overlaps(ax.xaxis.get_tightbbox())
+
+
 def test_no_minus_stands_before_a_zero_and_it_is_as_long_as_a_plus():
     assert [figures.rounded(v, 1) for v in (-0.01, 2.0, -3.14)] == ["0.0", "2.0", "−3.1"]
 

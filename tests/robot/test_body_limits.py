@@ -79,7 +79,8 @@ def stated(folder, held: bool) -> None:
     """A results folder whose gait bends its joints by 34 degrees, of a body that allows 30."""
     folder.mkdir()
     write_table(folder / "joint_table.csv", gait(40, 0.6))
-    record = {"cycle_duration_s": 5.0, "body": {"joint_limit_deg": 30.0}, "limits_held": {"joint_limits": held}}
+    own = {"body": {"joint_limit_deg": 30.0}, "limits_held": {"joint_limits": held}}
+    record = {"cycle_duration_s": 5.0, "transient": False} | own
     (folder / "solution.json").write_text(json.dumps(record))
 
 
@@ -181,7 +182,8 @@ def transient(folder, rows):
     """A results folder of a transient."""
     folder.mkdir()
     write_table(folder / "joint_table.csv", np.asarray(rows))
-    (folder / "solution.json").write_text(json.dumps({"cycle_duration_s": 5.0, "transient": True}))
+    record = {"cycle_duration_s": 5.0, "transient": True, "body": {}, "limits_held": {}}
+    (folder / "solution.json").write_text(json.dumps(record))
     return folder
 
 

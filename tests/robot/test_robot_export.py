@@ -27,7 +27,7 @@ def test_csv_and_ticks_are_read_back(tmp_path):
 @pytest.mark.parametrize("out", ["out", "mine.csv"])
 def test_an_exported_table_keeps_what_its_results_state_of_it(tmp_path, out):
     write_table(tmp_path / "joint_table.csv", gait())
-    stated = {"transient": True, "cycle_duration_s": 7.0, "body": {"joint_limit_deg": 60.0}}
+    stated = {"transient": True, "cycle_duration_s": 7.0, "body": {"joint_limit_deg": 60.0}, "limits_held": {}}
     (tmp_path / "solution.json").write_text(json.dumps(stated))
     assert serpenoid("export", tmp_path, "--format", "csv", "--out", tmp_path / "a" / out).returncode == 0
     first, again = read_table(tmp_path), read_table(tmp_path / "a" / out)
@@ -53,7 +53,8 @@ def test_a_gait_in_space_is_exported_as_csv_alone(tmp_path):
     bad.write_text("joint_1_yaw,joint_1_pitch,joint_2_yaw,joint_2_pitch\n")
     with pytest.raises(InputError, match="must be joint_1_yaw,joint_2_yaw,joint_1_pitch,... with 2 joints, got"):
         read_table(bad, any_table=True)
-    (tmp_path / "solution.json").write_text('{"body": {"joint_limit_deg": 0.5}}')
+    record = {"cycle_duration_s": None, "transient": False, "body": {"joint_limit_deg": 0.5}, "limits_held": {}}
+    (tmp_path / "solution.json").write_text(json.dumps(record))
     done = serpenoid(*words, "csv", "--force")
     assert (done.returncode, "_yaw, step" in done.stderr or "_pitch, step" in done.stderr) == (1, True)
 

@@ -61,7 +61,8 @@ def test_a_transient_is_played_to_its_last_row_and_recorded_without_a_trial_sect
     folder.mkdir()
     ramp = 0.02 * np.arange(11)[:, None] * np.ones(10)
     write_table(folder / "joint_table.csv", ramp)
-    (folder / "solution.json").write_text(json.dumps({"transient": True}))
+    record = {"cycle_duration_s": None, "transient": True, "body": {}, "limits_held": {}}
+    (folder / "solution.json").write_text(json.dumps(record))
     with emulator(tmp_path) as rig:
         done = serpenoid(*play_words(folder, rig.port, tmp_path / "log", cycles=1, pause=0.1))
         assert done.returncode == 0, done.stderr
@@ -409,7 +410,7 @@ def test_power_stream_is_recorded_beside_the_servo_log(tmp_path):
     assert "power_log" in (tmp_path / "log" / "trial.toml").read_text()
 
 
-@pytest.mark.parametrize("words", [["play"], ["export"], ["robot"], ["robot", "emulate"]])
+@pytest.mark.parametrize("words", [["play"], ["export"], ["robot"], ["robot", "check"], ["robot", "emulate"]])
 def test_help_teaches_by_example(words):
     done = serpenoid(*words, "--help")
     assert done.returncode == 0

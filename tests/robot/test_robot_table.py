@@ -46,9 +46,12 @@ def test_sign_and_zero_turn_the_way_the_robot_file_says():
     assert to_ticks(angles, validate(Robot, data, "test"))[0] == 2000 - 1024
 
 
+NOTHING_STATED = {"cycle_duration_s": None, "transient": False, "body": {}, "limits_held": {}}
+
+
 def test_results_folder_is_read_with_its_cycle_duration(tmp_path):
     write_table(tmp_path / "joint_table.csv", gait())
-    (tmp_path / "solution.json").write_text(json.dumps({"cycle_duration_s": 4.0}))
+    (tmp_path / "solution.json").write_text(json.dumps(NOTHING_STATED | {"cycle_duration_s": 4.0}))
     table = read_table(tmp_path)
     assert np.array_equal(table.angles, gait())
     assert table.stated.cycle_duration_s == 4.0
@@ -76,11 +79,25 @@ def test_a_broken_solution_is_refused_rather_than_replaced_by_the_robot_files_du
         read_table(tmp_path)
 
 
-@pytest.mark.parametrize("content", ["{}", '{"cycle_duration_s": null, "kkt": 5}'])
-def test_a_solution_that_states_nothing_leaves_the_duration_to_the_robot_file(tmp_path, content):
+def test_a_solution_that_states_no_duration_leaves_it_to_the_robot_file(tmp_path):
     write_table(tmp_path / "joint_table.csv", gait())
-    (tmp_path / "solution.json").write_text(content)
+    (tmp_path / "solution.json").write_text(json.dumps(NOTHING_STATED | {"kkt": 5}))
     assert read_table(tmp_path).stated.cycle_duration_s is None
+
+
+@pytest.mark.parametrize("name", ["solution.json", "play.json", "joint_table.json"])
+def test_a_record_without_what_a_robot_needs_is_refused_with_what_is_missing(tmp_path, name):
+    write_table(tmp_path / "joint_table.csv", gait())
+    needed = NOTHING_STATED if name == "solution.json" else {"cycle_duration_s": None, "transient": False}
+    for key in needed:
+        (tmp_path / name).write_text(json.dumps({k: v for k, v in needed.items() if k != key}))
+        with pytest.raises(InputError, match=rf"{name}: lacks `{key}`, .*Write the results again"):
+            read_table(tmp_path)
+    (tmp_path / name).write_text("{}")
+    with pytest.raises(InputError, match="lacks `cycle_duration_s`.* and `"):
+        read_table(tmp_path)
+    (tmp_path / name).write_text(json.dumps(needed))
+    assert read_table(tmp_path).closed
 
 
 @pytest.mark.parametrize(

@@ -111,7 +111,12 @@ def lines(calibration: Calibration, model: Model) -> list[str]:
         found.append(f"K = 1 / eps       {ratio:.4g}   95 % {least:.4g} .. {most:.4g} (the widest of these)")
         spread = f", SD {calibration.spread_best_rms:.2g}" if len(calibration.trials) > 1 else ""
         bound = ", at a bound" if any(fit.at_bound for fit in calibration.trials) else ""
-        found.append(f"best-RMS eps      {calibration.mean_best_rms:.6g} (mean of trials{spread}{bound})")
+        mean = f"{calibration.mean_best_rms:.6g} (mean of trials{spread}{bound})"
+        found += [
+            f"best-RMS eps      {mean}, as in the paper; the answer is K, by all motion:",
+            "                  this one is by the distance from the start alone, which noise of shapes draws aside,",
+            "                  and more so of a body that turns",
+        ]
     return [*found, f"what is left      {together.noise_scale:.2f} times the measurement noise"]
 
 

@@ -25,13 +25,29 @@ from serpenoid.wording import counted
 LAST_ID = 252
 SCAN_RATES = (57600, 1000000, 115200, 2000000, 3000000)
 
+CHECK = """Say whether `serpenoid play` would refuse a gait, and why; nothing moves.
+
+It needs the gait and the robot file, and no robot: number of joints, angles and speeds within the limits of the robot
+file, of its servos at the nominal voltage and of the body in the results, and whether the bus is fast enough. With
+--port the robot is asked, too: are these its servos, healthy and fed, how narrow are limits in their own memory, how
+far is the body from the gait's first row.
+
+  serpenoid robot check RESULTS --robot problems/robots/snake10-robot.toml
+  serpenoid robot check RESULTS --robot problems/robots/snake10-robot.toml --port auto
+"""
+
 
 def configure(actions: Any) -> None:
     scan = actions.add_parser("scan", help="which servos answer, at which baud rate")
     scan.add_argument("--port", default="auto", metavar="PORT", help="serial port (default auto)")
     scan.add_argument("--baud-rate", type=int, metavar="B", help=f"try this rate alone (default {SCAN_RATES})")
     scan.set_defaults(do=_scan)
-    check = actions.add_parser("check", help="would this gait be refused, and why")
+    check = actions.add_parser(
+        "check",
+        help="would this gait be refused, and why",
+        description=CHECK,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     add_table(check)
     add_robot(check, port="")
     check.set_defaults(do=_check)

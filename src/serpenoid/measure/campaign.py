@@ -166,13 +166,16 @@ class CampaignFile(Record):
 def load_campaign_file(path: str | Path) -> tuple[CampaignFile, Path]:
     """Read `campaign.toml` (or the folder it is in). Returns it and the folder its paths are relative to."""
     path = Path(path)
+    cure = "`serpenoid new campaign` writes one to start from; docs/campaign-format.md says what is in it."
+    if not path.exists():
+        raise InputError(f"{path}: no such file or folder. {cure}")
     if path.is_dir():
         path = path / "campaign.toml"
         if not path.is_file():
             raise InputError(
                 f"{path}: is a folder, where a file of this name belongs."
                 if path.is_dir()
-                else f"{path.parent}: holds no campaign.toml. See docs/campaign-format.md for one to start from."
+                else f"{path.parent}: holds no campaign.toml. {cure}"
             )
     return load(CampaignFile, path), path.parent
 

@@ -92,12 +92,14 @@ class MeshStudy:
         """One line: limit and error of the gait, held fixed; an optimum of more steps may be another gait."""
         if not np.isfinite(self.error):
             return f"{self.steps} steps: a finer mesh could not be simulated"
-        turns = GYRATION * abs(self.turn) > RESOLVED
+        way, arc = abs(self.displacement), GYRATION * abs(self.turn)
+        least = TOLERANCE * (way + arc)
         return "; ".join([
             f"the same gait with many steps: {self.displacement:z.6f} body lengths; error of {self.steps} steps "
-            f"{_share(self.error, self.displacement)}",
-            *([f"turn {self.turn:.6f} rad, error {_share(self.turn_error, self.turn)}"] if turns else []),
-            f"dissipation {self.dissipation:z.6f}, error {_share(self.dissipation_error, self.dissipation)}",
+            f"{_error_words(self.error, self.displacement, way > least)}",
+            *([f"turn {self.turn:.6f} rad, error {_error_words(self.turn_error, self.turn, arc > least)}"]
+              if arc > RESOLVED else []),
+            f"dissipation {self.dissipation:z.6f}, error {_error_words(self.dissipation_error, self.dissipation)}",
         ])  # fmt: skip
 
     @property
@@ -150,8 +152,9 @@ def _error(values: tuple[float, float, float]) -> float:
     return abs(values[0] - limit) + abs(limit - _limit(values[:2]))
 
 
-def _share(error: float, whole: float) -> str:
-    if abs(whole) <= RESOLVED:
+def _error_words(error: float, whole: float, moves: bool = True) -> str:
+    """With its share of the whole, but of what is about zero: as good as nothing, or of little of the motion."""
+    if abs(whole) <= RESOLVED or not moves:
         return f"{error:.1e}"
     return f"{error:.1e} ({percent(error / abs(whole))})"
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
 from serpenoid.gaits import Gait
+from serpenoid.objectives.obstacles import Obstacle
 from serpenoid.plot import joints, optima, space
 from serpenoid.plot.animate import animation
 from serpenoid.plot.body import shapes
@@ -112,7 +113,8 @@ def motion_figure(trajectory: Trajectory, problem: Problem, cycles: int | None =
     title = f"{trajectory_words(trajectory, one)}{shown}{contact_words(trajectory)}{own}"
     bodies = 9 if cycles == 1 else max(1, min(4, 12 // cycles)) * cycles + 1
     dots = _countable(problem.body.joint_vertices) if cycles == 1 else ()
-    motion(trajectory, ax, cycles, bodies, title, problem.body.told_length_m, dots)
+    walls = any(isinstance(demand, Obstacle) for demand in problem.task.demands)
+    motion(trajectory, ax, cycles, bodies, title, problem.body.told_length_m, dots, bar_within=not walls)
     targets(problem, ax)
     obstacles(problem, ax)
     legend_above(ax, 5)
@@ -120,7 +122,7 @@ def motion_figure(trajectory: Trajectory, problem: Problem, cycles: int | None =
     colour_bar(ax, PHASE_MAP, 0, 1, when, cax=ax.inset_axes((1.02, 0.0, 0.02, 1.0)))
     slope = float(np.ptp(ax.get_ylim()) / np.ptp(ax.get_xlim()))
     width = min(6.9, 5.0 / slope)
-    fig.set_size_inches(max(width + 1.7, 5.4), max(width * slope, 1.2) + 1.15)
+    fig.set_size_inches(max(width + 1.7, 5.4), max(width * slope, 1.2) + 1.15 + 0.3 * walls)
     return fig
 
 

@@ -14,10 +14,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import read_json
 from serpenoid.joint_range import JointLimit, Limit, limit_words
-from serpenoid.wording import counted
+from serpenoid.wording import counted, listed
 
 LONGEST_CYCLE_S = 600.0
-RECORDS = "solution.json", "play.json"
+RESULTS = "solution.json"
+RECORDS = RESULTS, "play.json"
+NEEDED = "cycle_duration_s", "transient"  # the first may be null: nobody says
+NEEDED_OF_RESULTS = *NEEDED, "body", "limits_held"
 Speed = Annotated[float, Field(gt=0)]
 
 
@@ -84,17 +87,24 @@ def own_record(table: Path) -> Path:
 
 
 def read_stated(table: Path) -> Stated:
-    """Read a table's own record, or its folder's; nothing is stated where there is none. InputError if it is broken."""
+    """Read a table's own record, or its folder's; nothing is stated where there is none. InputError if it is broken
+    or lacks what a robot needs."""
     remedy = "Write the results again, or copy joint_table.csv to a folder of its own and play that."
     records = own_record(table), *(table.parent / name for name in RECORDS)
     file = next((record for record in records if record.exists()), None)
     if file is None:
         return Stated()
     try:
-        return Stated.model_validate(read_json(file))
+        record = read_json(file)
+        stated = Stated.model_validate(record)
     except InputError as error:
         raise InputError(f"{error} {remedy}") from None
     except ValidationError as error:
         fault = error.errors()[0]
         place = ".".join(map(str, fault["loc"])) or "the record"
         raise InputError(f"{file}: {place}: {fault['msg']}, got {str(fault['input'])[:40]}. {remedy}") from None
+    needed = NEEDED_OF_RESULTS if file.name == RESULTS else NEEDED
+    missing = [f"`{key}`" for key in needed if key not in record]
+    if missing:
+        raise InputError(f"{file}: lacks {listed(missing)}, without which its gait is not played. {remedy}")
+    return stated

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import shutil
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from serpenoid.body import ANIMALS, Body
 from serpenoid.errors import InputError
 from serpenoid.files.schema import plain_name, validate
 from serpenoid.measure.campaign import MotionKeys
+from serpenoid.measure.columns import TimeUnit
 from serpenoid.measure.readers import READERS
 from serpenoid.measure.tracks import NoTime, Tracks
 from serpenoid.scaffold.questions import Answers, Question, existing, named, one_of, or_empty
@@ -30,6 +31,13 @@ OF_A_FILM = (
         "Unit of the film's points: m, cm, mm, um, px, bl (empty: the file's or tracker's own, else m)",
         "",
         or_empty(one_of("m", "cm", "mm", "um", "px", "bl")),
+        only="film",
+    ),
+    Question(
+        "time-unit",
+        "Unit of the times of a long or tidy film: s, ms, us, ns (empty: s)",
+        "",
+        or_empty(one_of(*get_args(TimeUnit))),
         only="film",
     ),
     Question(
@@ -97,9 +105,12 @@ def _read(film: Path, answers: Answers) -> tuple[dict[str, Any], Tracks]:
     Frames per second are said of files that carry no time: in others they would take the place of the file's own.
     """
     kind, form = READERS[answers["format"]], answers["format"]
+    for option in ("time-unit", "columns"):
+        if answers[option] and form not in ("tidy", "long"):
+            raise InputError(f"--{option}: is for tidy and long films, got --format {form}. Leave it out.")
     unit = answers["length-unit"] or (kind.unit if kind.unit == "px" or form in ("tidy", "long", "array") else None)
     columns = answers["columns"] or (LONG if form == "long" else None)
-    said = {"format": form, "length_unit": unit, "columns": columns}
+    said = {"format": form, "length_unit": unit, "time_unit": answers["time-unit"], "columns": columns}
     said = {key: value for key, value in said.items() if value is not None}
     own = said | {"individual": answers["individual"] or None}
     rate = {"frames_per_second": answers["frames-per-second"]}

@@ -11,6 +11,7 @@ from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
 from serpenoid.joint_range import as_pair, limit_words, range_words
 from serpenoid.robot.models import DEFAULT, ServoModel, models
+from serpenoid.robot.stated import LONGEST_CYCLE_S
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import (
     ONE_SIDED,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 CELL_V = 3.3, 4.2, 3.7  # of a lithium cell: empty, full, nominal
 CLOSE = 0.1  # a battery this near to what is recommended serves
 NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven")
+USUAL_CYCLE_S = 5.0
 USUAL, USUAL_SPEED = "usual", 0.7  # of the no-load speed at the recommended voltage
 
 
@@ -81,7 +83,7 @@ def write(path: Path, answers: Answers) -> str:
     servo = models()[answers["model"]]
     answers = {**answers, "speed-limit": _speed_limit(servo, answers)}
     _refuse_rate(servo, answers["baud-rate"])
-    head = _head(write_schema(path.parent, "robot"), path.name, servo, answers)
+    head = _head(write_schema(path.parent, "robot"), path.name, servo, answers, _cycle(problem))
     joint_sections = [_servo(number, servo_id, servo, answers) for number, servo_id in enumerate(ids, 1)]
     write_text(path, "\n".join([head, _limits(answers, problem), *joint_sections]))
     return f"serpenoid robot emulate --robot {shlex.quote(str(path))}"
@@ -145,7 +147,13 @@ def _limits(answers: Answers, problem: Problem | None) -> str:
 """
 
 
-def _head(hint: str, file: str, servo: ServoModel, answers: Answers) -> str:
+def _cycle(problem: Problem | None) -> float:
+    """The problem's own duration of a cycle, if a robot may play so long a one [s]."""
+    own = None if problem is None else problem.task.cycle_duration_s
+    return USUAL_CYCLE_S if own is None or own > LONGEST_CYCLE_S else own
+
+
+def _head(hint: str, file: str, servo: ServoModel, answers: Answers, cycle_duration_s: float) -> str:
     name, typed = Path(file).stem, shlex.quote(file)
     return f"""{hint}
 # {name}: which servo moves which joint. joint_1 is next to the tail. `serpenoid schema robot` lists every key.
@@ -162,7 +170,7 @@ model = "{servo.name}"  # a [[joint]] with another servo says `model` itself
 baud_rate = {answers["baud-rate"]}          # servos leave the factory at 57600, all with ID 1
 
 [motion]
-cycle_duration_s = 5.0       # where the results do not say it
+{f"cycle_duration_s = {cycle_duration_s}":28} # where the results do not say it
 approach_speed_rpm = 5.0     # slow way to the first row
 approach_limit_deg = 90.0    # no joint may be farther than this from the first row
 watchdog_s = 0.5             # a servo that hears nothing for so long stops by itself

@@ -17,6 +17,7 @@ from scipy.special import stdtrit
 
 from serpenoid.arena.protocol import PlayedGait, Protocol
 from serpenoid.body import Floats
+from serpenoid.cases import told_table
 from serpenoid.errors import InputError
 from serpenoid.gaits import Gait
 from serpenoid.parallel import Workers
@@ -66,10 +67,10 @@ def _optimum(task: Problem, begins: list[Gait]) -> tuple[OptimalGait, Gait]:
     gait, cost = search(task, begins)
     solved = solve_from(task, gait)
     if solved.status.ok and solved.cost <= cost:
-        return OptimalGait(solved.table, solved.trajectory.displacement, True), solved.gait
+        return OptimalGait(told_table(task, solved.table), solved.trajectory.displacement, True), solved.gait
     family = task.family_of(gait)
     table = family_tables(task.model, family, family.start()[None])[0]
-    return OptimalGait(table, simulate_joint_angles(task.model, table).displacement, False), gait
+    return OptimalGait(told_table(task, table), simulate_joint_angles(task.model, table).displacement, False), gait
 
 
 def protocol_of(robot: Protocol, problem: Problem, trials: int, cycles: int) -> Protocol:
