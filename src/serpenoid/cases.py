@@ -14,13 +14,13 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import ActuationEffect
 from serpenoid.errors import InputError
 from serpenoid.files import schema
 from serpenoid.files.inputs import read_json
 from serpenoid.model_file import ModelFile, read_model_file
 from serpenoid.problem import Problem, Robust
 
-STUCK = "stuck_joint"
 NODES = 3  # of a mean over an interval: Gauss-Legendre, exact to the fifth power of the ratio
 
 
@@ -45,7 +45,7 @@ def cases_of(problem: Problem) -> tuple[Case, ...]:
 
 
 def told_table(problem: Problem, table: Floats) -> Floats:
-    """The joint table (R, m) [rad] that a robot is told: a joint that is stuck in every case stays where it stands.
+    """The joint table (R, m) [rad] that a robot is told: a joint that no case can drive stays where it stands.
 
     The motion is the same, as no command moves such a joint.
     """
@@ -53,8 +53,9 @@ def told_table(problem: Problem, table: Floats) -> Floats:
     everywhere = set.intersection(*(set(each.effects) for each in served))
     told = table.copy()
     for effect in everywhere:
-        if effect.name == STUCK:
-            told[:, (effect.place or 0) - 1] = effect.parameters["angle"]
+        angle = effect.effect.held_at(effect.parameters) if isinstance(effect.effect, ActuationEffect) else None
+        if angle is not None and effect.place is not None:
+            told[:, effect.place - 1] = angle
     return told
 
 

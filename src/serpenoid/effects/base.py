@@ -309,6 +309,10 @@ class ActuationEffect(Effect):
         several parameters (P, m). quickest: speed (m,) of the set-points [rad/s]."""
         return [np.full(readings.shape[1], self.parameters[0].resting)]
 
+    def held_at(self, values: Values) -> float | None:
+        """The angle [rad] at which its joint stands, whatever is commanded; None: it is driven."""
+        return None
+
     def late(self, p: Symbols) -> Any:
         """By how much later [s] all is done that servos do: of symbols, or of numbers."""
         return getattr(p, self.parameters[0].name) if self.dead_time else 0.0

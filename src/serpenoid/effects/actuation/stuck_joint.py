@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.effects.base import ActuationEffect, Parameter, Symbols
+from serpenoid.effects.base import ActuationEffect, Parameter, Symbols, Values
 
 
 class StuckJoint(ActuationEffect):
@@ -15,6 +15,10 @@ class StuckJoint(ActuationEffect):
     def respond(self, angle: ca.SX, before: ca.SX, after: ca.SX, duration: ca.SX, p: Symbols) -> ca.SX:
         """Replace, where it is present."""
         return after + p.present * (p.angle - after)
+
+    def held_at(self, values: Values) -> float | None:
+        """Where it is stuck."""
+        return values["angle"]
 
     def starts(self, readings: Floats, quickest: Floats) -> list[Floats]:
         """Where each joint is most of the time."""
