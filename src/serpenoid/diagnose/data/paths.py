@@ -182,7 +182,8 @@ def path_error(motion: Motion, predictions: Sequence[Prediction], mend: bool = F
 
 
 def gap_steps(track: Track, predicted: Prediction) -> list[tuple[int, int, Floats]]:
-    """(boundary before, boundary after, unaccounted displacement (3,)) of every gap of all markers."""
+    """(boundary before, boundary after, unaccounted displacement (3,)) of every gap of all markers, but where it was
+    put elsewhere."""
     known = np.isfinite(track.measured[:, 0])
     found, i, last = [], 0, len(track.gap_windows)
     while i < last:
@@ -195,7 +196,7 @@ def gap_steps(track: Track, predicted: Prediction) -> list[tuple[int, int, Float
         b = i + 1
         while b < last and (not known[b] or track.gap_windows[b]):
             b += 1
-        if known[a] and known[b]:
+        if known[a] and known[b] and not np.broadcast_to(track.put, known[1:].shape)[a:b].any():
             said = accumulate(np.nan_to_num(predicted.displacement[a:b]), np.zeros(3))[-1]
             found.append((a, b, relative(track.measured[a], track.measured[b]) - said))
         i = b

@@ -11,6 +11,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.clocks import Clock, align, as_played, beside_plan, pooled, start_on_log
 from serpenoid.diagnose.data.played import at_played_rate, by_their_commands
+from serpenoid.diagnose.data.put_elsewhere import with_puts
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
 from serpenoid.diagnose.data.single_markers import beside_log, without_single
@@ -63,7 +64,8 @@ def _aligned(
         own_words = [*_missing(found, own), *_assumed(found), *_unread(own)]
         return replace(found, remarks=(*said.get(entry.name, ()), *remarks_of(own_words)))
 
-    return at_played_rate(by_their_commands(with_one_rate(of_every_trial(file.trial, kept, progress))))
+    found = at_played_rate(by_their_commands(with_one_rate(of_every_trial(file.trial, kept, progress))))
+    return with_puts(found)
 
 
 def _unread(files: Files) -> list[str]:

@@ -16,6 +16,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import GYRATION, register, shapes
 from serpenoid.diagnose.data.meshes import COARSER, Mesh, evenly, mesh_of
 from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.put_elsewhere import Puts, puts_of
 from serpenoid.diagnose.data.readings_noise import by_readings, of_shapes
 from serpenoid.diagnose.data.recording import WINDOWS_PER_CYCLE, Recording
 from serpenoid.diagnose.data.windows import Track, begun_anew, predicted_path
@@ -48,11 +49,13 @@ class NoPath(ArithmeticError):
 @dataclass(frozen=True)
 class Shown:
     """What a trial shows, whichever model guides its averages: its mesh, vertices (R, N, 2) [m] there, the true body's
-    poses (F, 3), and what of its shapes at boundaries is readings' noise, see `readings_noise.of_shapes`."""
+    poses (F, 3), as if it had never been put elsewhere, when it was, and what of its shapes at boundaries is readings'
+    noise, see `readings_noise.of_shapes`."""
 
     mesh: Mesh
     vertices: Floats
     poses: Floats
+    puts: Puts
     noise: Floats
 
     @classmethod
@@ -65,7 +68,9 @@ class Shown:
         frame_angles = seen.angles(r.angles, begun)
         frame_poses, _ = register(seen.seen(r.body, frame_angles), markers)
         poses = _mapped_poses(r, seen, frame_angles, frame_poses)
-        return cls(mesh, vertices, poses, of_shapes(r, mesh.time[mesh.bounds], half_average(r)))
+        puts = puts_of(r, poses)
+        noise = of_shapes(r, mesh.time[mesh.bounds], half_average(r))
+        return cls(mesh, vertices, puts.laid_back(r.time, poses), puts, noise)
 
 
 def make_tracks(recordings: Sequence[Recording], seen: Observation, model: Model) -> tuple[Track, ...]:
@@ -116,6 +121,7 @@ def _track(r: Recording, shown: Shown, model: Model) -> Track:
         r, time[some], vertices[some], bounds // COARSER, mesh.playing, mesh.cycle, mesh.phase, guess[bounds] + around,
         path[some], r.time, plan, gaps, anew, strayed=run - anew,
         least=np.hypot(_least(r, counts), by_readings(r, model, time[bounds], shown.noise)),
+        laid=shown.puts.away(time[some], path[some]), put=shown.puts.within(time[bounds]),
     )  # fmt: skip
 
 

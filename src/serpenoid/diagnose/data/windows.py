@@ -58,6 +58,8 @@ class Track:
     strayed: Floats | float = 0.0  # (B - 1, 3) what `offset` is more for who runs free from the first pose
     coarse: float = 0.0  # share of the motion by which straight links between an animal's points are off
     shifted: Floats | float = 0.0  # (R, 3) [m, m, rad] how far cameras show the body from where it is on the floor
+    laid: Floats | float = 0.0  # (R, 3) [m, m, rad] the same of paths that go on as if it had not been put elsewhere
+    put: np.ndarray | bool = False  # (B - 1,) windows in which it was
 
     @cached_property
     def steps(self) -> MeasuredSteps:
@@ -70,7 +72,7 @@ class Track:
     @property
     def on_floor(self) -> Floats:
         """Poses (R, 3) on the floor, which does not move with the cameras' frame."""
-        return np.asarray(self.poses - self.shifted)
+        return np.asarray(self.poses - self.shifted - self.laid)
 
     @property
     def first_seen(self) -> int:
@@ -86,7 +88,7 @@ class Track:
     def usable(self) -> np.ndarray:
         """(B - 1,) windows with both ends measured and no gap in between."""
         known = np.isfinite(self.measured[:, 0])
-        return known[1:] & known[:-1] & ~self.gap_windows
+        return known[1:] & known[:-1] & ~self.gap_windows & ~np.asarray(self.put)
 
     @property
     def displacement(self) -> Floats:
@@ -141,7 +143,19 @@ def predictions(
     found = (coasting if model.knows("history") else balanced)(model, tracks, inside, near)
     mine, keys = of_frame(model.effects), {e.key for e in model.effects}
     more = [c for c in of_frame(candidates) if c.key not in keys]
-    return [in_frame(t, p, mine, more) for t, p in zip(tracks, found, strict=True)] if mine or more else found
+    found = [in_frame(t, p, mine, more) for t, p in zip(tracks, found, strict=True)] if mine or more else found
+    return [as_put(t, p) if np.any(t.put) else p for t, p in zip(tracks, found, strict=True)]
+
+
+def as_put(track: Track, p: Prediction) -> Prediction:
+    """With the measured displacement of windows in which it was put elsewhere: of these a model says nothing."""
+    put = np.broadcast_to(track.put, track.playing.shape)
+    displacement, jacobian = p.displacement.copy(), p.jacobian.copy()
+    displacement[put], jacobian[put] = 0.0, 0.0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], put, [False]])))
+    for first, last in edges.reshape(-1, 2):
+        displacement[first] = np.nan_to_num(relative(track.measured[first], track.measured[last]))
+    return replace(p, displacement=displacement, jacobian=jacobian)
 
 
 def in_frame(track: Track, p: Prediction, mine: Sequence[ActiveEffect], more: Sequence[ActiveEffect]) -> Prediction:

@@ -12,7 +12,7 @@ from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_rms, total
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.data.windows import Prediction, Track, predicted_path
+from serpenoid.diagnose.data.windows import Prediction, Track, as_put, predicted_path
 from serpenoid.diagnose.stages.choose_motion import MotionFinding
 from serpenoid.diagnose.stages.set_points import corners
 from serpenoid.effects.active import ActiveEffect, joined
@@ -51,10 +51,16 @@ def from_command(model: Model, track: Track, schedule: Schedule) -> Prediction:
     time = np.unique(np.concatenate([track.time, corners(schedule)])) if schedule.held else track.time
     played = realise(model, schedule.commanded(time), time).angles
     vertices = shapes(model.body, played[np.searchsorted(time, track.time)])
-    path = predicted_path(model, vertices, track.time, track.poses[0])[track.boundaries]
-    seen = added(of_frame(model.effects), track.on_floor[track.boundaries], track.time[track.boundaries])
-    moved = relative(path[:-1], path[1:]) + track.offset + track.strayed + seen
-    return Prediction(np.asarray(moved), np.zeros((*moved.shape, 0)), ())
+    rows, put = track.boundaries, np.broadcast_to(track.put, track.playing.shape)
+    moved = np.empty((len(put), 3))
+    begun = [0, *(np.flatnonzero(put) + 1).tolist()]  # a hand lays it anew
+    for first, last in zip(begun, [*begun[1:], len(put)], strict=True):
+        here = slice(rows[first], rows[last] + 1)
+        path = predicted_path(model, vertices[here], track.time[here], track.on_floor[rows[first]])
+        ends = path[rows[first : last + 1] - rows[first]]
+        moved[first:last] = relative(ends[:-1], ends[1:])
+    moved += track.offset + track.strayed + added(of_frame(model.effects), track.on_floor[rows], track.time[rows])
+    return as_put(track, Prediction(moved, np.zeros((*moved.shape, 0)), ()))
 
 
 def _with(model: Model, effects: Sequence[ActiveEffect]) -> Model:
