@@ -31,8 +31,8 @@ SOME = 5  # frames before and after that say where it lay
 
 @dataclass(frozen=True)
 class Puts:
-    """Between which times (K,) it was moved [s], after which cycles, whether no marker was seen meanwhile, and what lays
-    poses of afterwards where it was before (K + 1, 3), the first nothing."""
+    """Between which times (K,) it was moved [s], after which cycles, whether no marker was seen meanwhile, and what
+    lays poses afterwards where it was before (K + 1, 3), the first nothing."""
 
     first: Floats
     last: Floats
@@ -43,7 +43,7 @@ class Puts:
     def laid_back(self, time: Floats, poses: Floats) -> Floats:
         """Poses (F, 3) at times (F,) as if it had lain still; NaN while it was moved."""
         found = compose(self.back[self._after(time)], poses)
-        held = ((time[:, None] > self.first) & (time[:, None] < self.last)).any(axis=1)
+        held = np.any((time[:, None] > self.first) & (time[:, None] < self.last), axis=1)
         return np.where(held[:, None], np.nan, found)
 
     def away(self, time: Floats, laid: Floats) -> Floats:
@@ -52,7 +52,7 @@ class Puts:
 
     def within(self, times: Floats) -> np.ndarray:
         """Whether it was moved in each of the windows (B - 1,) between times (B,)."""
-        return ((self.first[:, None] < times[1:]) & (self.last[:, None] > times[:-1])).any(axis=0)
+        return np.asarray(((self.first[:, None] < times[1:]) & (self.last[:, None] > times[:-1])).any(axis=0))
 
     def words(self) -> str:
         """For people; empty if it never was."""
@@ -66,7 +66,7 @@ class Puts:
         )
 
     def _after(self, time: Floats) -> np.ndarray:
-        return np.searchsorted(self.last, time, side="right")
+        return np.asarray(np.searchsorted(self.last, time, side="right"))
 
 
 def puts_of(r: Recording, poses: Floats | None = None) -> Puts:
