@@ -81,6 +81,17 @@ def test_who_moves_less_than_promised_is_named_with_what_that_may_be(witness, ga
     assert said in remark[1]
 
 
+@pytest.mark.parametrize("witness", ["commands", "servos"])
+def test_who_is_led_to_the_first_row_and_away_from_the_last_is_not_weak(witness):
+    claim = witnesses(gait([0, 1, 2, 3, 4]), np.ones(5), witness)
+    told = claim.commands or claim.servos
+    time = np.arange(-2.0, claim.schedule.end_s + 2.0, 1 / 50)
+    ramp = np.clip(np.minimum(time + 1.2, claim.schedule.end_s + 1.2 - time) / 1.2, 0.0, 1.0)[:, None]
+    led = Signal(time + 3, ramp * claim.schedule.commanded(time))
+    assert told is not None
+    assert check([replace(claim, **{witness: led})], {"gait": claim.schedule.table}).remarks == ()
+
+
 UNITS = {"rad": 1.0, "deg": np.pi / 180, "ticks": TICK}
 
 

@@ -36,7 +36,7 @@ from serpenoid.measure.consistency.hypotheses import (
     turned,
 )
 from serpenoid.measure.consistency.lost_frames import Lost, lost_frames, set_on
-from serpenoid.measure.consistency.match import PHYSICAL, Match, course_of, match
+from serpenoid.measure.consistency.match import HIGHEST_GAIN, PHYSICAL, Match, course_of, match
 from serpenoid.measure.consistency.rivals import SURE, Compared, Rival, compared, leads, window
 from serpenoid.measure.consistency.signals import AWAY, Signal, moving_s, stopped_s
 from serpenoid.measure.schedule import Schedule
@@ -358,8 +358,8 @@ def _weakness(claim: Claim, contract: Match, witness: str) -> list[tuple[str, st
     gains = contract.gain[told]
     middle = round(float(np.median(gains)), 2)
     exact = witness == "the servo log's commands"
-    if contract.explained < 0.5 or abs(middle - 1) < (SCALED if exact else WEAK) - 1e-9:
-        return []
+    if contract.explained < 0.5 or abs(middle - 1) < (SCALED if exact else WEAK) - 1e-9 or middle >= HIGHEST_GAIN:
+        return []  # at the highest gain: laid where it does not fit
     which = np.abs(gains - middle) < np.abs(gains - 1)
     least, most = gains[which].min(), gains[which].max()
     size = f"{middle:.2f}" if most - least < ALIKE * middle else f"{least:.2f} to {most:.2f}"

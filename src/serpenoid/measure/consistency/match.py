@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.consistency.signals import Sampled
+from serpenoid.measure.consistency.signals import LEAST_ROWS, Sampled
 from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
 
@@ -35,6 +35,7 @@ FINER = 9  # rates on either side of the best in the second look: its ends are w
 BETWEEN = 2  # parts of a step of rates, and of half a step of starts, at which it is looked then,
 CLOSER = (1, 2, 4)  # of such, and of such steps' parts again
 AT_ONCE = 8_000  # numbers of a signal, once for each rate, that are laid together: more leave the cache of a core
+NEARBY = 0.1  # of a period: what is done before and after draws a start aside by less
 RATES = 0.035  # clocks differ by this share and more is no crystal: a player's loop in software is the worst
 
 
@@ -236,8 +237,35 @@ def log_gains(gain: Floats, prior: Prior) -> Floats:
 
 def commanded_at(signal: Sampled, contract: Match) -> Floats:
     """What the contract commands (n, m) on the signal's grid, where it was laid."""
+    return contract.course.angles(_since(signal, contract))
+
+
+def _since(signal: Sampled, contract: Match) -> Floats:
+    """Times (n,) [s] of the signal's grid since the contract's start."""
     at = signal.start_s - contract.start_s + signal.step_s * np.arange(len(signal.values))
-    return contract.course.angles(at.astype(np.float64))
+    return at.astype(np.float64)
+
+
+def gains_meanwhile(signal: Sampled, contract: Match) -> Floats:
+    """Gains (m,) while the motion lasts alone: what is done before its first row and after its last, as where a player
+    ramps up to the one and down from the other, is no part of the promise, and draws its start and rate aside."""
+    first, last = NEARBY * contract.course.period_s, contract.course.slowed(1 / contract.rate)
+    aside = np.arange(-first, first, signal.step_s / max(CLOSER))
+    laid = [replace(contract, start_s=contract.start_s + x, course=c) for c in (contract.course, last) for x in aside]
+    found = [one for one in (_meanwhile(signal, m) for m in (contract, *laid)) if one is not None]
+    return min(found, key=lambda one: one[0])[1] if found else contract.gain
+
+
+def _meanwhile(signal: Sampled, laid: Match) -> tuple[float, Floats] | None:
+    """Share of the motion that is left while a promise lasts, and gains (m,); None where hardly anything is known."""
+    since, commanded = _since(signal, laid), commanded_at(signal, laid)
+    weight = signal.weight * ((since >= 0) & (since <= laid.course.total_s))
+    if weight.sum() < LEAST_ROWS:
+        return None
+    here, there = (x - weight @ x / weight.sum() for x in (signal.values, commanded))
+    cov, variance, spread = weight @ (here * there), weight @ there**2, weight @ here**2
+    gain = _gains(cov, variance, np.asarray(np.ptp(commanded, axis=0) < TICK))
+    return float((spread - 2 * gain * cov + gain**2 * variance).sum() / max(spread.sum(), 1e-12)), gain
 
 
 def match_columns(signal: Sampled, contract: Match, prior: Prior) -> tuple[Floats, Floats]:

@@ -7,12 +7,12 @@ said, and accuses nobody.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from serpenoid.measure.consistency.hypotheses import Fault, wiring_faults
-from serpenoid.measure.consistency.match import Course, Match, Prior, match, match_at
+from serpenoid.measure.consistency.match import Course, Match, Prior, gains_meanwhile, match, match_at
 from serpenoid.measure.consistency.signals import Sampled, Signal, sample
 
 FAULTY = 0.05  # of campaigns have something wrong in their file
@@ -76,6 +76,7 @@ def compared(
         contract = with_servos(grid, contract, prior)
         laid = [(f, with_servos(grid, m, prior) if first else m) for (f, m), first in zip(laid, ahead, strict=True)]
         rivals = _rivals(trial, grid, contract, laid, witness, pair, prior)
+    contract = replace(contract, gain=gains_meanwhile(grid, contract))
     return Compared(contract, rivals, witness, _doubts(plain, rivals))
 
 
