@@ -70,6 +70,19 @@ def slow(r: Recording, hertz: float, lag: float, says_commands: bool) -> Recordi
     )  # fmt: skip
 
 
+@pytest.mark.parametrize("renewed_hertz", [200, 400])
+def test_commands_that_are_renewed_now_and_then_leave_the_start_open_by_as_much(renewed_hertz: float) -> None:
+    """A log that reads them at its own times finds each late by anything up to that interval."""
+    plan = square(JOINTS)
+    time = logged(plan, 21.0).time_s
+    log = logged(plan, 21.0, plan.commanded(np.floor(time * renewed_hertz) / renewed_hertz))
+    told = told_by_commands(log, replace(plan, start_s=0.0), 0.0)
+    assert told is not None
+    assert START_S < told.start_s < START_S + 1 / renewed_hertz
+    assert told.start_s - told.spread_s < START_S
+    assert told.spread_s < 1 / renewed_hertz
+
+
 @pytest.mark.parametrize(
     ("held", "hertz", "open_s"), [(False, 10, 1e-3), (False, 20, 1e-3), (True, 20, 0.026), (True, 33, 2e-3)]
 )

@@ -18,6 +18,8 @@ STEPS = 40  # to either side, twice: first of a row of the table, then of what t
 PARTS = 9  # of these, so that what one needs stays in a core's cache
 CHANCE = 4.0  # two standard deviations, squared
 LEAST_ROWS = 8
+ROUNDED = 1.2  # times what rounding to ticks makes: as much may be chance
+AT_ONCE_S = 1e-3  # over which a speed is taken
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,8 @@ def told_by_commands(log: ServoLog, schedule: Schedule, rate: float, labelled: f
             first, last = min(low for _, low, _ in left), max(high for _, _, high in left)
             start = (first + last) / 2
             goals = held and (labelled is None or labelled - start > row / 2)
-            found.append(Told(start, (last - first) / 2, held, ways[0] in left, goals))
+            stale = 0.0 if held else _stale(least / size, plan, time - start)
+            found.append(Told(start, (last - first) / 2 + stale, held, ways[0] in left, goals))
     return found[0] if len(found) == 1 else None
 
 
@@ -84,6 +87,17 @@ def _open(
         first, last = max(open_[0] - 1, 0), min(open_[-1] + 1, len(tried) - 1)
         low, high = float(tried[first]), float(tried[last])
     return least, low, high
+
+
+def _stale(missed: float, plan: Schedule, time: Floats) -> float:
+    """By how much [s] commands lag in the middle that miss a table that runs, at times (R,) of it, by such a mean
+    square, more than a rounding does [rad^2]: those that a player renews at its own pace, and a log reads now and then,
+    are late by anything from nothing to its interval, a mean of sqrt(3) times their standard deviation. Servos need not
+    be as late."""
+    if missed < ROUNDED * TICK**2 / 12:
+        return 0.0
+    speed = (plan.commanded(time + AT_ONCE_S) - plan.commanded(time - AT_ONCE_S)) / (2 * AT_ONCE_S)
+    return float(np.sqrt(3 * missed / max((speed**2).mean(), 1e-12)))
 
 
 def _slack(least: float, size: int) -> float:
