@@ -77,7 +77,16 @@ def test_cycles_that_were_not_played_are_no_fault_of_the_servos(campaign: Path) 
 
 
 @pytest.mark.slow
-def test_without_labels_a_film_of_fewer_cycles_is_laid_on_the_last_ones_and_nothing_is_wrong(campaign: Path) -> None:
+def test_without_labels_fewer_cycles_than_promised_are_the_first_ones_and_nothing_is_wrong(campaign: Path) -> None:
     promised(campaign, 4)
     without_labels(campaign)
     assert diagnosed(campaign).verdict == "nothing"
+
+
+def test_a_trial_that_was_aborted_lacks_its_last_cycles_and_not_its_first(campaign: Path) -> None:
+    promised(campaign, 4)
+    without_labels(campaign)
+    _, recordings = read_recordings(campaign)
+    for r in recordings:
+        assert r.time[0] < 0 < r.time[-1]
+        assert not any("before the recording begins" in remark.words for remark in r.remarks)

@@ -157,6 +157,8 @@ def read_recording(file: CampaignFile, files: Files) -> Recording:
         clock = beside_plan(clock, file.body, tracks.time_s, markers, log, followed)
     start = (told.start_s, told.spread_s) if told else labelled
     start = start or _start(schedule, start_by_shape(schedule, log.time_s, log.position))
+    if labelled is None:
+        start = _shown_first(schedule, start[0], float(log.time_s[0])), start[1]
     t0 = (start[0] - clock.zero) / (1 + clock.rate)
     time, log_time = tracks.time_s - t0, log.time_s - start[0]
     shown = schedule.until(max(time[-1], log_time[-1]))
@@ -183,6 +185,13 @@ def _by_markers(file: CampaignFile, entry: TrialEntry, schedule: Schedule, time:
         angles_read(file.body, markers, known, shapes_known),
         Clock(0.0, 0.0, 0.0, 0.0), spread, by_servos=False, missing_cycles=schedule.cycles - filmed.cycles,
     )  # fmt: skip
+
+
+def _shown_first(schedule: Schedule, start: float, first: float) -> float:
+    """When the motion began, of a log from a time on: cycles are alike, and where no label numbers them those that are
+    over before it begins are none. A trial that was aborted has fewer than it promises, at its end."""
+    over = first - start - schedule.cycle_duration_s
+    return start + max(int(over // schedule.period_s) + 1, 0) * schedule.period_s
 
 
 def _start(schedule: Schedule, found: Offset | None) -> tuple[float, float]:
