@@ -153,6 +153,11 @@ def test_repeats_that_differ_far_more_than_in_the_reference_are_told_where_nothi
     assert "hides in it" in said
     assert "repeats differ by 4.9 times as much as in the reference" in said
     assert "in the reference:" not in meaning(record | {"reference": {"noise_level_m": 0.01}})
+    then = {"noise_level_m": 0.00507, "noise_over_markers": 28.0}
+    said = meaning(record | {"reference": then, "noise_over_markers": 31.0})
+    assert "repeats differ" not in said
+    assert "4.9 times as much counts as noise as in the reference, though repeats are as alike" in said
+    assert "repeats differ" in meaning(record | {"reference": then, "noise_over_markers": 131.0})
 
 
 def test_what_repeats_differ_by_stands_beside_the_noise_of_the_markers() -> None:

@@ -365,8 +365,8 @@ def called(model: Model) -> str:
 
 
 KEPT = (
-    "verdict", "effects", "alternatives", "anisotropy_ratio", "law", "gain", "noise_level_m", "left",
-    "residual_pattern",
+    "verdict", "effects", "alternatives", "anisotropy_ratio", "law", "gain", "noise_level_m",
+    "noise_over_markers", "left", "residual_pattern",
 )  # fmt: skip
 
 

@@ -47,6 +47,10 @@ UNREPEATED = {
     "explained": "what is named was missing; nothing was played twice, so nobody can tell whether the rest is noise",
 }
 OTHER_CHANCE = 2**0.5  # times the markers' noise: of noise that is larger, most is of another origin
+UNPLAYED = (
+    "; {more:.2g} times as much counts as noise as in the reference, though repeats are as alike: what the model "
+    "misses, where that played no such trial. Play the same gaits in both"
+)
 HIDING = "; most of the noise is not that of the markers: a cause that acts on one repeat alone hides in it"
 DOUBT = "a stand-in may be there for a cause that the catalogue lacks: change nothing for its sake"
 MIDDLES = 'dissipation = "edge"'
@@ -74,13 +78,15 @@ def meaning(record: Record) -> str:
 
 
 def noisier(record: Record) -> str:
-    """Where repeats differ far more than in the reference, though by no more than chance may make of so few."""
+    """Where repeats differ far more than in the reference, though by no more than chance may make of so few; or where
+    they do not, and yet more counts as noise: what the model misses in gaits that the reference did not play."""
     before = (record["reference"] or {}).get("noise_level_m")
     if not before or record["noise_from"] != "trials" or record["verdict"] not in SETTLED:
         return ""
-    more = record["noise_level_m"] / before
+    more, then = record["noise_level_m"] / before, record["reference"].get("noise_over_markers")  # not in older answers
+    alike = bool(then) and (record.get("noise_over_markers") or 0.0) <= UNLIKE * then
     said = f"; repeats differ by {more:.2g} times as much as in the reference: look at what one of them met"
-    return said if more > UNLIKE else ""
+    return (UNPLAYED.format(more=more) if alike else said) if more > UNLIKE else ""
 
 
 def _stage(effect: Record) -> str:

@@ -253,7 +253,8 @@ def gains_meanwhile(signal: Sampled, contract: Match) -> Floats:
     aside = np.arange(-first, first, signal.step_s / max(CLOSER))
     laid = [replace(contract, start_s=contract.start_s + x, course=c) for c in (contract.course, last) for x in aside]
     found = [one for one in (_meanwhile(signal, m) for m in (contract, *laid)) if one is not None]
-    return min(found, key=lambda one: one[0])[1] if found else contract.gain
+    left, gain = min(found, key=lambda one: one[0], default=(1.0, contract.gain))
+    return gain if left < 1 - contract.explained else contract.gain  # few rows may tell nothing by themselves
 
 
 def _meanwhile(signal: Sampled, laid: Match) -> tuple[float, Floats] | None:
