@@ -92,6 +92,21 @@ def test_who_is_led_to_the_first_row_and_away_from_the_last_is_not_weak(witness)
     assert check([replace(claim, **{witness: led})], {"gait": claim.schedule.table}).remarks == ()
 
 
+def test_nobody_is_weak_of_whom_hardly_a_frame_shows_all_joints():
+    """Markers that are often hidden leave bouts of few frames, which many gains meet."""
+    claim = witnesses(gait([0, 1, 2, 3, 4]), np.ones(5), "cameras")
+    seen, said = claim.cameras, []
+    assert seen is not None
+    for seed in range(20):
+        rng, known = np.random.default_rng(seed), np.zeros(len(seen.time_s), dtype=bool)
+        for begin in rng.integers(0, len(known) - 4, 3):
+            known[begin : begin + 4] = True
+        values = np.where(known[:, None], seen.values + rng.normal(0, 0.03, seen.values.shape), np.nan)
+        verdict = check([replace(claim, cameras=Signal(seen.time_s, values))], {"gait": claim.schedule.table})
+        said += [words for _, words in verdict.remarks if "as far as promised" in words]
+    assert said == []
+
+
 UNITS = {"rad": 1.0, "deg": np.pi / 180, "ticks": TICK}
 
 

@@ -37,6 +37,7 @@ CLOSER = (1, 2, 4)  # of such, and of such steps' parts again
 AT_ONCE = 8_000  # numbers of a signal, once for each rate, that are laid together: more leave the cache of a core
 NEARBY = 0.1  # of a period: what is done before and after draws a start aside by less
 RATES = 0.035  # clocks differ by this share and more is no crystal: a player's loop in software is the worst
+WITHIN = RATES * (1 + 1e-9)  # 1 - 0.035 is farther from 1 than that, by rounding
 
 
 @dataclass(frozen=True)
@@ -112,7 +113,7 @@ def match(signal: Sampled, course: Course, prior: Prior = PHYSICAL) -> Match:
     step = 1 / max(1.0, np.ceil(RATES * cycles / COARSE))
     first = max(_at_rates(signal, course, 1 + RATES * np.arange(-1, 1 + step / 2, step), prior), key=_score)
     finer = first.rate + RATES * step * np.arange(-FINER, FINER + 1) / (FINER + 1)
-    second = max([first, *_at_rates(signal, course, finer[np.abs(finer - 1) <= RATES], prior)], key=_score)
+    second = max([first, *_at_rates(signal, course, finer[np.abs(finer - 1) <= WITHIN], prior)], key=_score)
     found, apart = second, max(RATES * step / (FINER + 1), signal.step_s / signal.span_s)
     for closer in CLOSER:
         nearer = _between(signal, course, found, apart / closer, signal.step_s / closer, prior)
@@ -127,7 +128,7 @@ def _between(
     that is off is made up for by a rate that is."""
     parts = np.arange(-BETWEEN, BETWEEN + 1) / BETWEEN
     rates, starts = found.rate + rates_apart * parts, signal.start_s - found.start_s + starts_apart_s / 2 * parts
-    rates, starts = (x.ravel() for x in np.meshgrid(rates[np.abs(rates - 1) <= RATES], starts))
+    rates, starts = (x.ravel() for x in np.meshgrid(rates[np.abs(rates - 1) <= WITHIN], starts))
     return _fitted(signal, course, starts, np.ones(len(rates), dtype=np.int64), rates, prior)
 
 
@@ -248,7 +249,10 @@ def _since(signal: Sampled, contract: Match) -> Floats:
 
 def gains_meanwhile(signal: Sampled, contract: Match) -> Floats:
     """Gains (m,) while the motion lasts alone: what is done before its first row and after its last, as where a player
-    ramps up to the one and down from the other, is no part of the promise, and draws its start and rate aside."""
+    ramps up to the one and down from the other, is no part of the promise, and draws its start and rate aside. 1 where
+    hardly a row is known: a few are met by any gains."""
+    if signal.weight.sum() < LEAST_ROWS:
+        return np.ones_like(contract.gain)
     first, last = NEARBY * contract.course.period_s, contract.course.slowed(1 / contract.rate)
     aside = np.arange(-first, first, signal.step_s / max(CLOSER))
     laid = [replace(contract, start_s=contract.start_s + x, course=c) for c in (contract.course, last) for x in aside]
