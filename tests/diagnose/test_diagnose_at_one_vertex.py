@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import held_out_labels
 from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.inference.at_one_vertex import at_one_vertex
+from serpenoid.diagnose.inference.at_one_vertex import at_one_vertex, words_of
 from serpenoid.diagnose.inference.medium import TO_THE_END, fit, fit_eps
 from serpenoid.diagnose.inference.select import Selection, calibrated
 from serpenoid.diagnose.stages.baseline import Baseline
@@ -63,7 +64,10 @@ def test_a_pull_at_one_vertex_is_no_slope_and_the_vertex_is_said(
     (found,) = at_one_vertex(selected(tmp_path, "cable", "slope"))
     assert (found.effect.name, found.vertex) == ("slope", PULLED)
     assert found.share < 0.5
-    assert f"at vertex {PULLED} alone" in found.words
+    both = words_of([found, replace(found, effect=ActiveEffect.neutral("inertia"))])
+    assert len(both) == 1
+    assert f"at vertex {PULLED} alone" in both[0]
+    assert "inertia" in both[0]
 
 
 @pytest.mark.parametrize(

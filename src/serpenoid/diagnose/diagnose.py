@@ -372,7 +372,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "skipped": {stage.name: stage.skipped for stage in d.stages if stage.skipped},
         "untestable": {name: why for stage in d.stages for name, why in stage.untestable.items()},
         "residual_pattern": list(d.words),
-        "mend_first": [*(s.mend for s in d.stages if s.mend), *_other_cycles(d), *(() if known else cameras)],
+        "mend_first": [*(() if known else cameras), *(s.mend for s in d.stages if s.mend), *_other_cycles(d)],
         "used_s": usage.used_s,
         "dropped_s": usage.dropped_s,
         "remarks": [*d.baseline.remarks, *remarks(found.motion.tracks), *(cameras if known else ())],

@@ -9,6 +9,7 @@ Both are judged to first order from the same fit without the law, so that they d
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from serpenoid.diagnose.inference.medium import linearised
@@ -16,6 +17,7 @@ from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.select import Selection
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import MediumEffect
+from serpenoid.wording import listed
 
 
 @dataclass(frozen=True)
@@ -26,13 +28,17 @@ class AtOneVertex:
     vertex: int
     share: float
 
-    @property
-    def words(self) -> str:
-        """For people."""
-        return (
-            f"{self.effect.name} at vertex {self.vertex} alone would leave {self.share:.0%} of what is left; what "
-            "touches, pulls or carries the body there?"
+
+def words_of(found: Sequence[AtOneVertex]) -> tuple[str, ...]:
+    """For people, vertex by vertex."""
+    said = []
+    for vertex in dict.fromkeys(a.vertex for a in found):
+        laws = [f"{a.effect.name} {a.share:.0%}" for a in found if a.vertex == vertex]
+        said.append(
+            f"at vertex {vertex} alone less would be left ({listed(laws)} of what is left): what touches, pulls or "
+            "carries the body there?"
         )
+    return tuple(said)
 
 
 def at_one_vertex(found: Selection) -> tuple[AtOneVertex, ...]:

@@ -19,7 +19,7 @@ from serpenoid.diagnose.data.tracks import NoPath, make_tracks, tracker
 from serpenoid.diagnose.data.untestable import beyond_bounds, left_out, not_on_offer, of_other_laws
 from serpenoid.diagnose.data.untold import untold
 from serpenoid.diagnose.data.windows import Prediction, Track
-from serpenoid.diagnose.inference.at_one_vertex import AtOneVertex, at_one_vertex
+from serpenoid.diagnose.inference.at_one_vertex import AtOneVertex, at_one_vertex, words_of
 from serpenoid.diagnose.inference.differing import Differing, differing
 from serpenoid.diagnose.inference.discrepancy import size_done
 from serpenoid.diagnose.inference.explanations import acts
@@ -220,7 +220,7 @@ def finding(
     alone: tuple[AtOneVertex, ...] = ()
     if words and parts is None:
         alone = at_one_vertex(found)
-        words = (*words, *refusals(found.refused), *(a.words for a in alone))
+        words = (*words, *refusals(found.refused), *words_of(alone))
     if parts is not None and (parts.told or _left_over(found, None, mend=jumps is not None)[0]):
         words, unlike = (*words, parts.words), parts.kind
         named = [replace(n, stand_in=n.effect.key in doubtful) for n in named]
