@@ -64,6 +64,15 @@ def test_bodies_that_rest_and_tracks_that_are_lost_are_not_carried(laid: tuple[R
     assert not any("put elsewhere" in remark.words for r in again for remark in r.remarks)
 
 
+@pytest.mark.parametrize("every", [15, 30, 60])
+def test_films_of_few_frames_a_second_show_it_or_do_not(laid: tuple[Recording, ...], every: int) -> None:
+    def few(r: Recording) -> Recording:
+        return replace(r, time=r.time[::every], markers=r.markers[::every])
+
+    assert not any(puts_of(few(r)).cycles for r in laid)
+    assert puts_of(few(moved(laid[0], 0, (0.2, -0.1, 0.4)))).cycles == (0,)
+
+
 def test_beside_a_gap_that_turned_it_others_carried_it_too(laid: tuple[Recording, ...]) -> None:
     once = moved(laid[0], 0, (0.1, 0.0, 0.5), 0.3, hidden=True)
     little = moved(laid[1], 1, (0.01, 0.0, 0.0), 0.3, hidden=True)

@@ -25,7 +25,7 @@ from serpenoid.measure.quality import JUMP_SIGMA
 from serpenoid.measure.remark import Remark
 from serpenoid.wording import listed
 
-SPAN_S = 0.1  # poses so far apart are compared
+SPAN_S = 0.1  # poses so far apart are compared, or those of neighbouring frames
 SOME = 5  # frames before and after that say where it lay
 
 
@@ -106,14 +106,15 @@ class _Moved:
 
 def _moved(r: Recording, time: Floats, poses: Floats) -> Iterator[_Moved]:
     """Every time that it was moved, by the known frames (F,)."""
-    later = np.searchsorted(time, time + SPAN_S)
+    span = max(SPAN_S, r.frame_s)
+    later = np.searchsorted(time, time + span)
     pairs = np.flatnonzero(later < len(time))
     ends, label = later[pairs], r.stretch(time)
     took, alike = time[ends] - time[pairs], label[pairs] == label[ends]
     length = r.body.total_length_m
     way = (poses[ends] - poses[pairs]) * [1.0, 1.0, GYRATION * length]
     far, turned = np.linalg.norm(way, axis=1), np.abs(way[:, 2])
-    seen, plays = took < 2 * SPAN_S, label[pairs] % 2 == 0
+    seen, plays = took < 2 * span, label[pairs] % 2 == 0
     speed, resting = far / took, alike & ~plays
     fastest = speed[alike & plays & seen].max(initial=0.0)
     noise = r.marker_noise / np.sqrt(np.median(np.isfinite(r.markers[..., 0]).sum(axis=1)))
