@@ -137,15 +137,17 @@ def _beat_lines(trial: Trial, motion: Motion) -> list[str]:
     """How an animal bends: what a table commands needs no telling."""
     import numpy as np
 
-    from serpenoid.measure.animal import STANDING, bends_run
+    from serpenoid.measure.animal import way_of_bends
 
     found = motion.beat if trial.schedule is None else None
     if found is None:
         return []
     bent = ", ".join(f"{angle:.0f}" for angle in np.degrees(found.amplitude_rad))
-    mostly = bends_run(motion)
-    way = "" if abs(mostly) <= STANDING else " from head to tail" if mostly > 0 else " from tail to head"
-    run = f"{abs(found.waves):.3g} waves on the body{way}" if found.runs else "bends that stand"
+    run = (
+        f"{abs(found.waves):.3g} waves on the body {way_of_bends(motion)}".rstrip()
+        if found.runs
+        else "bends that stand"
+    )
     return [
         f"  gait              {1 / found.period_s:.4g} Hz, {run}",
         f"  bending           joints 1 to {len(found.amplitude_rad)}: amplitudes {bent} degrees",

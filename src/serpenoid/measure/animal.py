@@ -54,6 +54,14 @@ def bends_run(motion: Motion) -> float:
     return float(turning.sum() / total) if total > 0 else 0.0
 
 
+def way_of_bends(motion: Motion) -> str:
+    """Which way its bends run most of the time; empty where they run neither way."""
+    run = bends_run(motion)
+    if abs(run) <= STANDING:
+        return ""
+    return "from head to tail" if run > 0 else "from tail to head"
+
+
 def edges_per_wave(motion: Motion) -> float:
     """Edges that one wave of bending spans, from the mean phase that each joint lags behind the next; infinite: none.
 
@@ -152,12 +160,12 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
     rigid = () if body.is_animal else (RIGID,)
     head_first, run = leading(motion), bends_run(motion)
     which = "head first" if head_first > 0.5 else "tail first"
-    way = "run from head to tail" if run > 0 else "run from tail to head"
-    way = way if abs(run) > STANDING else "stand, or run to and fro"
+    way = way_of_bends(motion)
+    bends = f"run {way}" if way else "stand, or run to and fro"
     if not Signal(motion.time_s, motion.poses[:, :2]).moves:
         still = "stays where it is: by its points, no farther away than their noise"
         return (*rigid, still, *_clock(motion), *_length(motion))
-    found = [*rigid, f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends {way}"]
+    found = [*rigid, f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends {bends}"]
     if head_first < 0.5 and run < 0:
         found.append(
             "as head and tail would if exchanged, or in a film that runs backwards: if it swam forwards, set "

@@ -196,7 +196,7 @@ def gap_steps(track: Track, predicted: Prediction) -> list[tuple[int, int, Float
         b = i + 1
         while b < last and (not known[b] or track.gap_windows[b]):
             b += 1
-        if known[a] and known[b] and not np.broadcast_to(track.put, known[1:].shape)[a:b].any():
+        if known[a] and known[b] and not track.put_windows[a:b].any():
             said = accumulate(np.nan_to_num(predicted.displacement[a:b]), np.zeros(3))[-1]
             found.append((a, b, relative(track.measured[a], track.measured[b]) - said))
         i = b

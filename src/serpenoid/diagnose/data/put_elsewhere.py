@@ -21,7 +21,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.geometry import GYRATION, register, shapes
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.group import compose, inverse
-from serpenoid.measure.quality import JUMP_SIGMA
+from serpenoid.measure.quality import JUMP_SIGMA, stretches
 from serpenoid.measure.remark import Remark
 from serpenoid.wording import listed
 
@@ -55,10 +55,8 @@ class Puts:
         return np.asarray(((self.first[:, None] < times[1:]) & (self.last[:, None] > times[:-1])).any(axis=0))
 
     def words(self) -> str:
-        """For people; empty if it never was."""
+        """For people, of one that was."""
         cycles = sorted(set(self.cycles))
-        if not cycles:
-            return ""
         which = ("cycles " if len(cycles) > 1 else "cycle ") + listed([str(n + 1) for n in cycles])
         return (
             f"after {which} it was put elsewhere: no joint moved, and it went farther than it ever goes itself; what "
@@ -88,10 +86,12 @@ def puts_of(r: Recording, poses: Floats | None = None) -> Puts:
 
 def with_puts(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     """What is said of those that were put elsewhere, and whether gaps may hide that."""
-    carried = any(any(puts_of(r).hidden) for r in recordings)
-    every = [replace(r, carried=carried) for r in recordings]
-    words = [puts_of(r).words() for r in every]
-    return tuple(replace(r, remarks=(*r.remarks, Remark(w))) if w else r for r, w in zip(every, words, strict=True))
+    puts = [puts_of(r) for r in recordings]
+    if any(any(p.hidden) for p in puts):
+        recordings = [replace(r, put_unseen=True) for r in recordings]
+        puts = [puts_of(r) for r in recordings]
+    pairs = zip(recordings, puts, strict=True)
+    return tuple(replace(r, remarks=(*r.remarks, Remark(p.words()))) if p.cycles else r for r, p in pairs)
 
 
 @dataclass(frozen=True)
@@ -123,16 +123,10 @@ def _moved(r: Recording, time: Floats, poses: Floats) -> Iterator[_Moved]:
     bent = length * np.abs(angles[ends] - angles[pairs]).sum(axis=1)  # farther no bend moves it
     put = resting & (np.where(seen, far, turned) > chance + fastest * took)
     moves = put | (resting & seen & (far > chance + bent))
-    if r.carried and (resting & seen).any():  # and it may have been a little way
+    if r.put_unseen and (resting & seen).any():  # and it may have been a little way
         put |= resting & ~seen & (far > chance + bent + np.median(speed[resting & seen]) * took)
         moves |= put
-    for run in _runs(moves):
-        if put[run].any():
-            cycle = int(label[pairs[run[0]]] // 2)
-            yield _Moved(float(time[pairs[run[0]]]), float(time[ends[run[-1]]]), cycle, not seen[run].all())
-
-
-def _runs(flags: np.ndarray) -> list[np.ndarray]:
-    """Indices of flags in a row."""
-    at = np.flatnonzero(flags)
-    return [run for run in np.split(at, np.flatnonzero(np.diff(at) > 1) + 1) if len(run)]
+    for first, stop in stretches(moves):
+        if put[first:stop].any():
+            begun, cycle = pairs[first], int(label[pairs[first]] // 2)
+            yield _Moved(float(time[begun]), float(time[ends[stop - 1]]), cycle, not seen[first:stop].all())

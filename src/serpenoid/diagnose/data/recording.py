@@ -49,7 +49,7 @@ class Recording:
     goals: whether commands that jump are taken as goals, each run to until the next is given.
     camera (2, 2): what unit vectors look like to a camera that is known to be stretched; shapes that markers help to
     tell are of the body as it is.
-    carried: whether gaps of all markers in pauses may hide that it was put elsewhere (put_elsewhere.py).
+    put_unseen: whether gaps of all markers in pauses may hide that it was put elsewhere (put_elsewhere.py).
     shown (F, m): bends that markers show [rad] of joints whose readings they refute, NaN elsewhere; None: of no joint.
     """
 
@@ -75,7 +75,7 @@ class Recording:
     goals: bool = False
     camera: Floats | None = None
     shown: Floats | None = None
-    carried: bool = False
+    put_unseen: bool = False
 
     @property
     def held_as_told(self) -> bool | None:

@@ -19,6 +19,7 @@ from serpenoid.diagnose.data.frame import added, added_by, of_frame
 from serpenoid.diagnose.data.lead import Lead, Recorded, free_run, led
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.group import accumulate, relative
+from serpenoid.measure.quality import stretches
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation.extended import solve_extended
@@ -88,7 +89,12 @@ class Track:
     def usable(self) -> np.ndarray:
         """(B - 1,) windows with both ends measured and no gap in between."""
         known = np.isfinite(self.measured[:, 0])
-        return known[1:] & known[:-1] & ~self.gap_windows & ~np.asarray(self.put)
+        return known[1:] & known[:-1] & ~self.gap_windows & ~self.put_windows
+
+    @property
+    def put_windows(self) -> np.ndarray:
+        """(B - 1,) windows in which it was put elsewhere."""
+        return np.broadcast_to(self.put, self.playing.shape)
 
     @property
     def displacement(self) -> Floats:
@@ -149,11 +155,10 @@ def predictions(
 
 def as_put(track: Track, p: Prediction) -> Prediction:
     """With the measured displacement of windows in which it was put elsewhere: of these a model says nothing."""
-    put = np.broadcast_to(track.put, track.playing.shape)
+    put = track.put_windows
     displacement, jacobian = p.displacement.copy(), p.jacobian.copy()
     displacement[put], jacobian[put] = 0.0, 0.0
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], put, [False]])))
-    for first, last in edges.reshape(-1, 2):
+    for first, last in stretches(put):
         displacement[first] = np.nan_to_num(relative(track.measured[first], track.measured[last]))
     return replace(p, displacement=displacement, jacobian=jacobian)
 

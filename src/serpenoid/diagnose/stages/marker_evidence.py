@@ -169,6 +169,18 @@ def left_over(data: Sample, now: Observation) -> Floats:
     return _left_by(data, now, data.angles(now))[1].ravel()
 
 
+def misfit_beside(data: Sample, now: Observation, joints: Sequence[int]) -> float:
+    """The same where the angles of these joints are free in every frame."""
+    angles = data.angles(now)
+    base, rows, headings = _left_by(data, now, angles)
+    by_gap = partial(data.by_gap, now)
+    bends = now.derivatives(data.body, angles, by_gap, joints, headings)  # a zero's column: bends
+    turned = np.where(data.seen, bends, 0.0).reshape(len(joints), *rows.shape)
+    free = np.concatenate([np.swapaxes(_rigid(base, data.seen), 1, 2), np.moveaxis(turned, 0, -1)], axis=2)
+    taken = np.swapaxes(np.linalg.qr(free)[0], 1, 2) @ rows[..., None]
+    return float((rows**2).sum() - (taken**2).sum())
+
+
 def beside_readings(data: Sample, now: Observation) -> float:
     """Mean square of what an observation model leaves of all coordinates, over what noise makes of it in each frame,
     that of the readings included:
@@ -185,18 +197,6 @@ def beside_readings(data: Sample, now: Observation) -> float:
     freedom = 2.0 * data.seen[..., 0].sum(axis=1) - 3
     expected = 1 + (data.readings_variance * squares).sum(axis=1) / freedom
     return float(((rows**2).sum(axis=1) / expected).sum() / freedom.sum())
-
-
-def misfit_beside(data: Sample, now: Observation, joints: Sequence[int]) -> float:
-    """The same where the angles of these joints are free in every frame."""
-    angles = data.angles(now)
-    base, rows, headings = _left_by(data, now, angles)
-    by_gap = partial(data.by_gap, now)
-    bends = now.derivatives(data.body, angles, by_gap, joints, headings)  # a zero's column: bends
-    turned = np.where(data.seen, bends, 0.0).reshape(len(joints), *rows.shape)
-    free = np.concatenate([np.swapaxes(_rigid(base, data.seen), 1, 2), np.moveaxis(turned, 0, -1)], axis=2)
-    taken = np.swapaxes(np.linalg.qr(free)[0], 1, 2) @ rows[..., None]
-    return float((rows**2).sum() - (taken**2).sum())
 
 
 def evidence(data: Sample, now: Observation, columns: Sequence[int] | None = None) -> Evidence:

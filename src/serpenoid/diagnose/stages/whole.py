@@ -51,10 +51,9 @@ def from_command(model: Model, track: Track, schedule: Schedule) -> Prediction:
     time = np.unique(np.concatenate([track.time, corners(schedule)])) if schedule.held else track.time
     played = realise(model, schedule.commanded(time), time).angles
     vertices = shapes(model.body, played[np.searchsorted(time, track.time)])
-    rows, put = track.boundaries, np.broadcast_to(track.put, track.playing.shape)
-    moved = np.empty((len(put), 3))
-    begun = [0, *(np.flatnonzero(put) + 1).tolist()]  # a hand lays it anew
-    for first, last in zip(begun, [*begun[1:], len(put)], strict=True):
+    rows, moved = track.boundaries, np.empty((len(track.playing), 3))
+    begun = [0, *(np.flatnonzero(track.put_windows) + 1).tolist()]  # a hand lays it anew
+    for first, last in zip(begun, [*begun[1:], len(moved)], strict=True):
         here = slice(rows[first], rows[last] + 1)
         path = predicted_path(model, vertices[here], track.time[here], track.on_floor[rows[first]])
         ends = path[rows[first : last + 1] - rows[first]]
