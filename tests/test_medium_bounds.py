@@ -10,6 +10,7 @@ import pytest
 import serpenoid as sp
 from serpenoid.compare.calibrate import calibrate
 from serpenoid.compare.parameters import bounds
+from serpenoid.diagnose.data.untestable import beyond_bounds
 from serpenoid.diagnose.inference.bounds import held_at_bounds
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.start import at_middles, baseline
@@ -17,7 +18,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.load import load_campaign
-from serpenoid.medium import Medium
+from serpenoid.medium import Medium, OpenMedium
 from serpenoid.model import Model
 from serpenoid.model_file import read_model_file, write_model_file
 
@@ -25,16 +26,41 @@ ROOT = Path(__file__).parents[1]
 WATER = Medium(anisotropy_ratio=0.5, anisotropy_ratio_bounds=(0.5, 1.0))
 
 
-@pytest.mark.parametrize("pair", ["[0.5, 0.4]", "[0.0, 1.0]", "[0.5, 1.2]"])
+@pytest.mark.parametrize("pair", ["[0.5, 0.4]", "[0.0, 1.0]", "[0.5, 120]"])
 def test_bounds_out_of_order_or_range_are_refused(pair: str) -> None:
     path = ROOT / "problems" / "reference.toml"
-    with pytest.raises(InputError, match=r"anisotropy_ratio_bounds` needs 0 < lower < upper <= 1"):
+    with pytest.raises(InputError, match=r"anisotropy_ratio_bounds` needs 0 < lower < upper <= 100"):
         sp.load(path, set=[f"medium.anisotropy_ratio_bounds={pair}"])
 
 
 def test_a_ratio_outside_its_own_bounds_is_refused() -> None:
     with pytest.raises(InputError, match=r"must be within `anisotropy_ratio_bounds`"):
         sp.load(ROOT / "problems" / "lamprey-water.toml", set=["medium.anisotropy_ratio=0.2"])
+
+
+def test_a_ratio_above_one_is_taken_for_the_other_way_round_but_within_bounds_that_hold_it() -> None:
+    path = ROOT / "problems" / "reference.toml"
+    with pytest.raises(InputError, match=r"in \(0, 1\], got 5.* of 5 is 0\.2 here.*_bounds = \[1, 10\]"):
+        sp.load(path, set=["medium.anisotropy_ratio=5"])
+    asked = ["medium.anisotropy_ratio=5", "medium.anisotropy_ratio_bounds=[1, 10]"]
+    assert sp.load(path, set=asked).medium.anisotropy_ratio == 5.0
+
+
+def test_cases_of_a_robust_gait_stay_within_the_bounds_of_the_medium() -> None:
+    path = ROOT / "problems" / "robust.toml"
+    with pytest.raises(InputError, match=r"task\.robust\.anisotropy_ratio \[0\.5, 2\.0\] is not within 0 \.\. 1"):
+        sp.load(path, set=["task.robust.anisotropy_ratio=[0.5, 2.0]"])
+
+
+@pytest.mark.parametrize(("pair", "ratio"), [((0.5, 1.0), 0.5), ((0.05, 20.0), 0.2), ((1.0, 10.0), 5.0)])
+def test_a_first_guess_is_on_the_side_of_the_bounds(pair: tuple[float, float], ratio: float) -> None:
+    assert OpenMedium(anisotropy_ratio_bounds=pair).guessed().anisotropy_ratio == ratio
+
+
+def test_bounds_of_water_rule_out_what_bounds_of_a_surface_do_not() -> None:
+    body = sp.load(ROOT / "problems" / "reference.toml").body
+    assert "forward_backward_asymmetry" in beyond_bounds(Model(body, WATER))
+    assert not beyond_bounds(Model(body, Medium(anisotropy_ratio=3.0, anisotropy_ratio_bounds=(1.0, 10.0))))
 
 
 def test_bounds_that_are_not_stated_leave_the_hash_of_a_problem_alone() -> None:

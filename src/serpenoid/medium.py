@@ -11,6 +11,7 @@ from serpenoid.files.schema import Record
 from serpenoid.media import DEFAULT, LAWS
 
 FIRST_GUESS = 0.2  # of eps, where nothing states it
+MOST = 100.0  # eps: that of a straight body which all but cannot be pulled lengthwise
 
 SOFTENED = ", ".join(law.name for law in LAWS.values() if law.softened)
 
@@ -42,9 +43,14 @@ class Medium(Record):
 
     A fitted `anisotropy_ratio` holds for one law only. `anisotropy_ratio_bounds` is what physics allows: a
     slender body in water has a drag ratio K = 1/eps of at most 2, so [0.5, 1]. Fits and diagnoses stay inside.
+    eps above 1 (bristles, parapodia: the body moves the way its bends run) needs bounds that hold it: without
+    them it is far more often K, written in the place of eps.
     """
 
-    anisotropy_ratio: Annotated[float, Field(description="eps in (0, 1]: tangential over normal dissipation")]
+    anisotropy_ratio: Annotated[
+        float,
+        Field(description="eps: tangential over normal dissipation; above 1 only within stated bounds"),
+    ]
     dissipation: Site = Field(default="vertex", description="where the dissipation elements sit")
     law: Law = DEFAULT
     softening: Annotated[float, Field(ge=1e-6)] = Field(  # less changes no digit of a motion, and takes longer to solve
@@ -58,16 +64,22 @@ class Medium(Record):
     @field_validator("anisotropy_ratio")
     @classmethod
     def _in_range(cls, value: float) -> float:
-        if not 0 < value <= 1:
-            remedy = "swap tangential and normal coefficients?" if value > 1 else "use a small positive number."
-            raise ValueError(f"`anisotropy_ratio` must be in (0, 1]; {remedy}")
+        if not 0 < value <= MOST:
+            remedy = "swap tangential and normal coefficients?" if value > MOST else "use a small positive number."
+            raise ValueError(f"`anisotropy_ratio` must be in (0, {MOST:g}]; {remedy}")
         return value
 
     @model_validator(mode="after")
     def _within_bounds(self) -> Self:
-        pair = self.anisotropy_ratio_bounds
-        if pair is not None and not 0 < pair[0] < pair[1] <= 1:
-            raise ValueError(f"`anisotropy_ratio_bounds` needs 0 < lower < upper <= 1, got {list(pair)}")
+        pair, ratio = self.anisotropy_ratio_bounds, self.anisotropy_ratio
+        if pair is not None and not 0 < pair[0] < pair[1] <= MOST:
+            raise ValueError(f"`anisotropy_ratio_bounds` needs 0 < lower < upper <= {MOST:g}, got {list(pair)}")
+        if pair is None and ratio > 1:
+            raise ValueError(
+                f"`anisotropy_ratio` must be in (0, 1], got {ratio:g}: it is lengthwise drag over sideways. K, "
+                f"sideways over lengthwise, of {ratio:g} is {1 / ratio:.4g} here. A body that slips more easily "
+                f"sideways (bristles, parapodia) says so: `anisotropy_ratio_bounds = [1, {min(2 * ratio, MOST):.3g}]`"
+            )
         if pair is not None and not pair[0] <= self.anisotropy_ratio <= pair[1]:
             raise ValueError(f"`anisotropy_ratio` must be within `anisotropy_ratio_bounds` {list(pair)}")
         return self
@@ -84,7 +96,7 @@ class Medium(Record):
 class OpenMedium(Record):
     """The medium of a campaign, where fits find the anisotropy ratio: it may be left out. Else as `Medium`."""
 
-    anisotropy_ratio: float | None = Field(default=None, description="eps in (0, 1]; left out: what fits find")
+    anisotropy_ratio: float | None = Field(default=None, description="eps; left out: what fits find")
     dissipation: Site = Field(default="vertex", description="where the dissipation elements sit")
     law: Law = DEFAULT
     softening: float | None = Field(default=None, description=f"{SOFTENED}: as in a problem file")
@@ -101,4 +113,5 @@ class OpenMedium(Record):
         """The medium, with a first guess within the bounds where the ratio is left out."""
         stated = {key: value for key, value in self.model_dump().items() if value is not None}
         lower, upper = self.anisotropy_ratio_bounds or (FIRST_GUESS, FIRST_GUESS)
-        return Medium.model_validate({"anisotropy_ratio": min(max(FIRST_GUESS, lower), upper)} | stated)
+        guess = FIRST_GUESS if lower < 1 else 1 / FIRST_GUESS
+        return Medium.model_validate({"anisotropy_ratio": min(max(guess, lower), upper)} | stated)

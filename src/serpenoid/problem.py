@@ -28,7 +28,7 @@ from serpenoid.gaits.lifted import Lift, LiftedGait, lifted
 from serpenoid.joint_range import Limit, ranges_deg
 from serpenoid.lifting import fault
 from serpenoid.media import DEFAULT
-from serpenoid.medium import Medium
+from serpenoid.medium import MOST, Medium
 from serpenoid.model import Model
 from serpenoid.model_file import read_model_file
 from serpenoid.objectives import Demand, Displacement, Term, demands, terms
@@ -97,8 +97,9 @@ class Robust(Record):
         given = [self.anisotropy_ratio is not None, bool(self.models), self.diagnosis is not None]
         if sum(given) != 1:
             raise ValueError("give one of `anisotropy_ratio`, `models` and `diagnosis`")
-        if self.anisotropy_ratio is not None and not 0 < self.anisotropy_ratio[0] < self.anisotropy_ratio[1] <= 1:
-            raise ValueError("`anisotropy_ratio` needs [lower, upper] with 0 < lower < upper <= 1")
+        pair = self.anisotropy_ratio
+        if pair is not None and not 0 < pair[0] < pair[1] <= MOST:
+            raise ValueError(f"`anisotropy_ratio` needs [lower, upper] with 0 < lower < upper <= {MOST:g}")
         return self
 
 
@@ -182,6 +183,17 @@ class Problem(Record):
         if size > MOST_POSITIONS:
             raise ValueError(f"task.steps * task.cycles * body.vertices must be at most {MOST_POSITIONS}, is {size}")
         self.model.step_duration(self.task.steps)  # refuses effects that do not fit the body, or lack the clock
+        return self
+
+    @model_validator(mode="after")
+    def _ratios_in_bounds(self) -> Self:
+        pair = self.task.robust and self.task.robust.anisotropy_ratio
+        low, high = self.medium.limits(0.0, 1.0)
+        if pair and not low <= pair[0] < pair[1] <= high:
+            raise ValueError(
+                f"task.robust.anisotropy_ratio {list(pair)} is not within {low:g} .. {high:g}; "
+                "`anisotropy_ratio_bounds` in [medium] says how far ratios may go"
+            )
         return self
 
     @model_validator(mode="after")

@@ -9,12 +9,13 @@ from scipy.special import chdtri
 from serpenoid.body import Floats
 from serpenoid.compare.likelihood import Solution
 from serpenoid.compare.parameters import bounds
+from serpenoid.medium import MOST
 from serpenoid.model import Model
 
 CORRELATED = 0.95  # two fitted numbers whose errors are this correlated cannot be told apart by these data
 OFF = 1.5  # times the noise, or a part of the least that chance makes of it: something is wrong
 CHANCE = 0.01
-MOST_EPS = 0.999  # K = 1, to where a fit's own tolerance ends
+NEAR_ONE = 1e-3  # of eps: to where a fit's own tolerance ends
 
 
 def complaints(
@@ -61,10 +62,11 @@ def _at_bound(name: str, value: float, scale: float) -> str:
     if scale <= OFF:
         return f"`{name}` is {value:.4g}, as far as it goes, and there the model follows these data"
     said = f"`{name}` ran into its bound {value:.4g}: the model cannot follow these data"
-    if name == "anisotropy_ratio" and value >= MOST_EPS:
+    if name == "anisotropy_ratio" and abs(value - 1) < NEAR_ONE:
         return (
             f"{said}. A body that moves the way its bends run slips more easily sideways than lengthwise (K < 1: "
-            "bristles, legs), which is outside the model: nothing here fits it, and K = 1 is no estimate of it"
+            "bristles, parapodia), and K = 1 is no estimate of it: let fits look there, "
+            f"`[medium] anisotropy_ratio_bounds = [0.01, {MOST:g}]`"
         )
     return said
 

@@ -18,7 +18,7 @@ from serpenoid.problem import Problem
 DRAWN = 2  # gaits; one would do
 SAME_SHAPE = 1e-9  # of the largest change of a joint angle: far above rounding, far below any gait
 WIDE = np.pi  # half the range that is drawn from where a parameter has no bounds: an angle's
-ISOTROPIC = "anisotropy_ratio = 1 is isotropic: nothing moves, whatever the gait. Give a ratio below 1."
+ISOTROPIC = "anisotropy_ratio = 1 is isotropic: nothing moves, whatever the gait. Give another ratio."
 ONE_JOINT = (
     "one joint alone moves no body, whatever the gait: it bends there and back, and after a cycle the body is where it "
     "was (scallop theorem). Give [body] a second joint: more `vertices`, or more `joints`."

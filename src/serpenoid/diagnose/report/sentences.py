@@ -264,10 +264,16 @@ def ratio(record: Record) -> str:
     if record["effects"] or eps["after"] != eps["before"]:
         said.append(f"{eps['before']:.4g} {'with nothing named' if record['effects'] else 'fitted alone'}")
     said += _in_reference(record) if record["reference"] else []
-    said += ["at its bound: a warning that the law is another"] if eps["at_bound"] else []
+    said += [_at_bound(eps["after"])] if eps["at_bound"] else []
     if not eps["at_bound"] and low <= LEAST_EPS:
         said.append("its interval begins at the bound: a warning that the law is another")
     return "; ".join(said)
+
+
+def _at_bound(ratio: float) -> str:
+    said = "at its bound: a warning that the law is another"
+    beyond = ", or that the body slips more easily sideways: let `anisotropy_ratio_bounds` in [medium] reach beyond 1"
+    return said + beyond * (ratio == 1.0)
 
 
 def _in_reference(record: Record) -> list[str]:
