@@ -19,6 +19,7 @@ from serpenoid.files import store
 from serpenoid.mechanics import compile as compilation
 from serpenoid.mechanics import functions, roots, servo
 from serpenoid.mechanics.compile import compiled, find_compiler, generate_c
+from serpenoid.mechanics.extended import held_for
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.model import Structure
 from serpenoid.simulation import simulate_batch, simulate_joint_angles
@@ -80,10 +81,10 @@ def test_what_was_prepared_without_a_compiler_is_not_kept_for_later_tests(fresh:
         patch.setenv("SERPENOID_COMPILE", "0")
         forget_functions()
         assert servo._in_lanes() is None
-        assert roots.roots("viscous") is None
+        assert roots.roots("viscous", held_for(frozenset())) is None
     forget_functions()
     assert servo._in_lanes() is not None
-    assert roots.roots("viscous") is not None
+    assert roots.roots("viscous", held_for(frozenset())) is not None
 
 
 def test_where_the_machine_has_no_compiler_that_of_a_package_serves(

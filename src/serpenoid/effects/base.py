@@ -189,12 +189,14 @@ class MediumEffect(Effect):
     the anisotropy ratio itself, and so would carry it beyond what a medium's bounds allow. of_degree: of the laws that
     it makes another of (`Law.degree`), None: of any. Dry friction is none on top of Coulomb's (degree 1). of_the_law:
     whether its values are numbers of that law, as eps is: a diagnosis calibrates them with eps, and names no cause.
+    costly: whether it takes a step much longer, so that bodies without it have compiled steps of their own.
     """
 
     knows: frozenset[str] = frozenset()
     scales_ratio: bool = False
     of_degree: int | None = None
     of_the_law: bool = False
+    costly: bool = False
 
     @property
     def site(self) -> Site:

@@ -189,8 +189,10 @@ def _statements(function: ca.Function, shared: set[int], put: str) -> list[str]:
     shares = {divisor for divisor, times in Counter(divisors).items() if times > 1}
     lines: list[str] = []
     known: set[tuple[int, int]] = set()
-    following = iter(divisors)
+    following, zeros = iter(divisors), set[int]()
     for i in range(function.n_instructions()):
+        if put == "+=" and _adds_nothing(function, i, zeros):
+            continue
         if function.instruction_id(i) == ca.OP_DIV and (divisor := next(following)) in shares:
             inverse = f"inverse_{divisor[0]}_{divisor[1]}"
             if divisor not in known:
@@ -201,6 +203,17 @@ def _statements(function: ca.Function, shared: set[int], put: str) -> list[str]:
         else:
             lines.append(_statement(function, i, shared, put))
     return lines
+
+
+def _adds_nothing(function: ca.Function, i: int, zeros: set[int]) -> bool:
+    """Whether an instruction puts out what is always zero; zeros: places that hold it, kept up to date."""
+    operation, outputs = function.instruction_id(i), function.instruction_output(i)
+    if operation == ca.OP_OUTPUT:
+        return function.instruction_input(i)[0] in zeros
+    zeros.discard(outputs[0])
+    if operation == ca.OP_CONST and function.instruction_constant(i) == 0:
+        zeros.add(outputs[0])
+    return False
 
 
 def _statement(function: ca.Function, i: int, shared: set[int], put: str) -> str:

@@ -21,15 +21,15 @@ from serpenoid.mechanics.vertices import QUICKLY, SOLVED, edge, in_c, links
 RootColumns = Callable[..., Floats]
 
 
-@lru_cache(maxsize=16)
-def root_columns(law: str) -> RootColumns | None:
-    """Derivatives of relative poses; None where it cannot be compiled.
+@lru_cache(maxsize=64)
+def root_columns(law: str, held: frozenset[str]) -> RootColumns | None:
+    """Derivatives of relative poses, with the medium effects `held`; None where it cannot be compiled.
 
     Takes before, after (S, M, 4), first and second poses (S, 6), settings (S, 6), slopes of the residuals (S, 3, 3),
     medium (M, 2), theta (M, P), and columns (K, 2): place (below zero: none) and number among the derivatives of
     `extended.vertex_functions`' "sensitivity" with a place, or without one. Gives (S, 3, K).
     """
-    vertex = vertex_functions(law)["sensitivity"]
+    vertex = vertex_functions(law, held)["sensitivity"]
     run = in_c("root_columns", "root_columns", vertex, _source)
     if run is None:
         return None

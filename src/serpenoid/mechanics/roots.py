@@ -28,16 +28,16 @@ static void gather(long eights, const long *step, const long k, const long apart
 """
 
 
-@lru_cache(maxsize=16)
-def roots(law: str) -> Roots | None:
-    """Second poses of steps by Newton's method; None where it cannot be compiled.
+@lru_cache(maxsize=64)
+def roots(law: str, held: frozenset[str]) -> Roots | None:
+    """Second poses of steps by Newton's method, with the medium effects `held`; None where it cannot be compiled.
 
     Takes before, after (S, M, 4), first poses (S, 3), settings (S, 6), rate (S,) and carried (S, 3) of momenta, a guess
     (S, 3), medium (M, 2), theta (M, P), and limits (3,): the residual that is small enough, the least damping, how many
     iterations. Gives second poses (S, 3), slopes (S, 3, 3) of the residuals, energies (S,) and largest residuals (S,):
     infinite where the guess has none.
     """
-    vertex = vertex_functions(law)["balance"]
+    vertex = vertex_functions(law, held)["balance"]
     run = in_c("roots", "roots", vertex, _source)
     if run is None:
         return None

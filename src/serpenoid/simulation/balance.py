@@ -15,6 +15,7 @@ import numpy as np
 
 from serpenoid import group
 from serpenoid.body import Floats
+from serpenoid.mechanics.extended import held_for
 from serpenoid.mechanics.roots import roots
 from serpenoid.model import Model
 from serpenoid.simulation.law import MediumNumbers, evaluate
@@ -114,7 +115,7 @@ def _newton(
     settings[:, 3:5] = home[:, :2]
     chains = [by_step(x, len(ends)).reshape(len(ends), -1, 4) for x in (before, after)]
     given = *chains, starts - home, settings, coast.rate, carried, ends - home
-    run = roots(law.kind)
+    run = roots(law.kind, held_for(law.acting))
     found = plain_roots(law, *given) if run is None else run(*given, law.medium.T, law.theta.T, LIMITS)
     moved, slopes, energy, size = found
     near = np.abs(moved - (starts - home)).max(1) <= most

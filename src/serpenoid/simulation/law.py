@@ -5,8 +5,8 @@ Legend: S steps, M vertices, P coordinates.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -15,6 +15,7 @@ from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import medium_effects
+from serpenoid.mechanics.extended import held_for
 from serpenoid.mechanics.vertices import over_steps
 from serpenoid.model import Model
 
@@ -25,7 +26,8 @@ SOFTER = 3  # power of the strength: at a tenth, friction gives way at a thousan
 class MediumNumbers:
     """medium (2, M): weights above anisotropy ratios; theta (P, M): coordinates, element by element; length [m].
 
-    kind: the medium's law; softening: share of the change of shape (0: the law has none).
+    kind: the medium's law; softening: share of the change of shape (0: the law has none); acting: names of effects
+    that are not neutral, or by whose coordinates it is differentiated.
     """
 
     medium: Floats
@@ -33,6 +35,7 @@ class MediumNumbers:
     length_m: float
     kind: str
     softening: float
+    acting: frozenset[str]
 
     @classmethod
     def of(cls, model: Model, strength: float = 1.0, candidates: Sequence[ActiveEffect] = ()) -> MediumNumbers:
@@ -46,7 +49,12 @@ class MediumNumbers:
         medium = np.vstack([weights, np.full(weights.size, model.medium.anisotropy_ratio)])
         theta = coordinates(model, strength, candidates=candidates)[:, : weights.size]
         softening = min(model.structure.softening / strength**SOFTER, max(1.0, model.structure.softening))
-        return cls(medium, theta, model.body.total_length_m, model.medium.law, softening)
+        acting = frozenset(e.name for e in (*model.medium_effects, *candidates))
+        return cls(medium, theta, model.body.total_length_m, model.medium.law, softening, acting)
+
+    def asked(self, effects: Iterable[str | None]) -> MediumNumbers:
+        """The same, to be differentiated by coordinates of these effects, too (None: eps)."""
+        return replace(self, acting=self.acting.union(name for name in effects if name is not None))
 
     def settings(self, times: Floats) -> Floats:
         """Settings (6, S) of steps between `times` (S, 2) [s]: length, duration, middle, origin 0, softening."""
@@ -120,4 +128,5 @@ def _over_steps(
     """Outputs (S, ...) of a step function."""
     count, m = poses.shape[1], law.medium.shape[1]
     chains = [np.asarray(x.T, float).reshape(count, m, 4) for x in (before, after)]
-    return over_steps(which, law.kind)(*chains, poses.T, settings.T, law.medium.T, law.theta.T)
+    held = held_for(law.acting)
+    return over_steps(which, law.kind, held)(*chains, poses.T, settings.T, law.medium.T, law.theta.T)

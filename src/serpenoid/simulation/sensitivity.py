@@ -16,7 +16,7 @@ from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect, MediumEffect
 from serpenoid.effects.catalogue import find, medium_effects
-from serpenoid.mechanics.extended import parameter_rows
+from serpenoid.mechanics.extended import held_for, parameter_rows
 from serpenoid.mechanics.root_columns import root_columns
 from serpenoid.mechanics.servo import parameter_rows as parameter_rows_of_servos
 from serpenoid.model import Model
@@ -258,7 +258,8 @@ class Recorded:
         starts = self.steps.starts
         ends = group.compose(starts, np.nan_to_num(root.relative))
         slopes = np.where(root.sound[:, None, None], root.slopes, np.eye(3))
-        run = None if self.history else root_columns(self.law.kind)
+        law = self.law.asked(c.effect for c in columns)
+        run = None if self.history else root_columns(law.kind, held_for(law.acting))
         alone = np.array([c.alone for c in columns], dtype=bool)
         if run is not None and alone.any() and not alone.all():  # the others are compiled
             found = np.empty((len(ends), 3, len(columns)))
@@ -267,7 +268,7 @@ class Recorded:
             return found
         if run is not None and not alone.any():
             placed, own, row = _rows(columns)
-            law, which = self.law, np.column_stack([np.where(placed, own, -1), row])
+            which = np.column_stack([np.where(placed, own, -1), row])
             chains = (np.asarray(x.T, float).reshape(len(ends), -1, 4) for x in (self.steps.before, self.steps.after))
             return run(*chains, np.hstack([starts, ends]), self.settings.T, slopes, law.medium.T, law.theta.T, which)
         by = self.residual_derivatives(columns, np.hstack([starts, ends]).T)
@@ -291,7 +292,8 @@ class Recorded:
         alone = np.array([c.alone for c in columns], dtype=bool)
         found = np.empty((len(self.steps), 6, len(columns)))
         if not alone.all():
-            everywhere, somewhere = sensitivities(self.law, self.steps.before, self.steps.after, poses, self.settings)
+            law = self.law.asked(c.effect for c in columns)
+            everywhere, somewhere = sensitivities(law, self.steps.before, self.steps.after, poses, self.settings)
             placed, own, row = _rows([c for c in columns if not c.alone])
             by = everywhere[:, :, row]
             by[:, :, placed] = somewhere[:, :, own[placed], row[placed]]
@@ -312,7 +314,7 @@ class Recorded:
             (p,) = (p for p in find(c.effect or "").parameters if p.name == c.parameter)
             step, theta = DIFFERENCE * abs(p.coordinate(p.typical)), self.law.theta.copy()
             theta[rows[c.effect or "", c.parameter], c.place] += step
-            found.append((momenta(replace(self.law, theta=theta)) - now) / step)
+            found.append((momenta(replace(self.law.asked([c.effect]), theta=theta)) - now) / step)
         return np.stack(found, axis=2)
 
 

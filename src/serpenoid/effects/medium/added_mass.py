@@ -43,4 +43,5 @@ EFFECT = AddedMass(
         what_to_do="no fault: water that must be accelerated; keep it in the model",
     ),
     knows=frozenset({"speed", "history"}),
+    costly=True,
 )

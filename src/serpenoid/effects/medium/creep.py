@@ -48,4 +48,5 @@ EFFECT = Creep(
     knows=frozenset({"speed"}),
     of_degree=1,
     of_the_law=True,
+    costly=True,
 )

@@ -29,4 +29,5 @@ EFFECT = ForwardBackwardAsymmetry(
     rank=30,
     knows=frozenset({"speed"}),
     scales_ratio=True,
+    costly=True,
 )

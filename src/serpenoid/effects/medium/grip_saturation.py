@@ -39,4 +39,5 @@ EFFECT = GripSaturation(
     rank=30,
     knows=frozenset({"speed"}),
     of_degree=2,  # what bounds the force of dry friction once more lets it fall to nothing
+    costly=True,
 )

@@ -29,4 +29,5 @@ EFFECT = LeftRightAsymmetry(
     rank=30,
     knows=frozenset({"speed"}),
     scales_ratio=True,
+    costly=True,
 )

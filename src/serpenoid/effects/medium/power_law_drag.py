@@ -29,4 +29,5 @@ EFFECT = PowerLawDrag(
     rank=30,
     knows=frozenset({"speed"}),
     of_degree=2,
+    costly=True,
 )

@@ -28,4 +28,5 @@ EFFECT = RollingResistance(
     rank=31,
     knows=frozenset({"speed"}),
     of_degree=2,
+    costly=True,
 )

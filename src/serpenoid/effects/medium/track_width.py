@@ -27,4 +27,5 @@ EFFECT = TrackWidth(
     what_to_do="measure the distance of the wheels; narrow the axles, or let both wheels of a pair turn freely",
     needs=frozenset({"wheels"}),
     rank=20,
+    costly=True,
 )

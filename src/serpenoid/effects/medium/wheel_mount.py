@@ -31,4 +31,5 @@ EFFECT = WheelMount(
     what_to_do="look to which link the wheels are screwed and put it into the model",
     needs=frozenset({"wheels"}),
     rank=5,
+    costly=True,
 )
