@@ -88,6 +88,12 @@ class Medium(Record):
         """The same medium with another anisotropy ratio (its bounds are for fits to respect)."""
         return self.model_copy(update={"anisotropy_ratio": float(anisotropy_ratio)})
 
+    @property
+    def limited_by_physics(self) -> bool:
+        """Whether stated bounds are those of water, say. Bounds that reach beyond 1 let fits look for a surface that
+        holds lengthwise (bristles), and no physics limits what a surface does."""
+        return self.anisotropy_ratio_bounds is not None and self.anisotropy_ratio_bounds[1] <= 1
+
     def limits(self, least: float, most: float) -> tuple[float, float]:
         """Bounds of a fit that looks between `least` and `most`: what is stated here goes first."""
         return self.anisotropy_ratio_bounds or (least, most)

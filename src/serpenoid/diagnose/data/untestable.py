@@ -35,10 +35,9 @@ def left_out(names: Collection[str]) -> dict[str, str]:
 
 
 def beyond_bounds(model: Model) -> dict[str, str]:
-    """Names of effects that would undo the medium's bounds, as physics sets them in water. Bounds that reach beyond 1
-    let fits look for a surface that holds lengthwise (bristles), and no physics limits what a surface does."""
+    """Names of effects that would undo the medium's bounds."""
     bounds = model.medium.anisotropy_ratio_bounds
-    if bounds is None or bounds[1] > 1:
+    if bounds is None or not model.medium.limited_by_physics:
         return {}
     reason = f"it scales the anisotropy ratio, which this medium keeps within {bounds[0]:g} .. {bounds[1]:g}"
     return {k.name: reason for k in catalogue().values() if isinstance(k, MediumEffect) and k.scales_ratio}

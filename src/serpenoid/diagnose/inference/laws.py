@@ -17,7 +17,7 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.windows import Track
-from serpenoid.diagnose.inference.bounds import ratio_at_bound
+from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit
 from serpenoid.diagnose.inference.prices import gained_by_chance
@@ -149,7 +149,7 @@ def _price(selection: Selection, count: float) -> float:
 def on_rival(model: Model, law: Law) -> Model | None:
     """The same body and what is known of it under a rival of its law; None where that is no question."""
     medium, rival = model.medium, law.rival
-    if rival is None or rival.of is not model.law or medium.anisotropy_ratio_bounds is not None:
+    if rival is None or rival.of is not model.law or medium.limited_by_physics:
         return None
     if not rival.needs <= model.body.parts or len(_acting(model.effects, law.name)) < len(model.effects):
         return None
@@ -169,7 +169,7 @@ def _of_numbers(effects: Sequence[ActiveEffect], count: float) -> float:
 def _alone(found: Selection, model: Model, without: Collection[str]) -> Fit | None:
     """Rival law with its own numbers; None where no window has a root."""
     best = by_its_own_numbers(found.motion, model, found.null.model.medium.anisotropy_ratio, without)
-    return best if np.isfinite(_missed(best)) else None
+    return best if np.isfinite(missed(best)) else None
 
 
 def numbers_of(model: Model, left_out: Collection[str] = ()) -> list[ActiveEffect]:
@@ -188,12 +188,12 @@ def by_its_own_numbers(motion: Motion, model: Model, least_ratio: float, without
     effects = numbers_of(model, without)
     speed = own_speed(motion)
     values = [[(share * speed, *e.coordinates[1:-1]) for share in CREEPING] for e in effects]
-    ratios = np.geomspace(least_ratio, 1.0, RATIOS)
+    ratios = np.geomspace(least_ratio, model.medium.limits(LEAST_EPS, MOST_EPS)[1] if least_ratio < 1 else 1.0, RATIOS)
     starts = [(eps, *chain.from_iterable(rest)) for eps in ratios for rest in product(*values)]
     begun = in_processes([(fit, (motion, model, effects, np.array(x), 0)) for x in starts])
-    near = sorted(begun, key=_missed)[:POLISHED]
+    near = sorted(begun, key=missed)[:POLISHED]
     fits = in_processes([(fit, (motion, model, effects, f.coordinates, TO_THE_END)) for f in near])
-    return min(fits, key=_missed)
+    return min(fits, key=missed)
 
 
 def settled_numbers(found: Selection) -> Model | None:
@@ -226,11 +226,11 @@ def _named(found: Selection, model: Model, alone: Fit) -> Fit:
     typical = [x for e in effects for x in ActiveEffect.typical(e.name, e.place).coordinates[:-1]]
     starts = [np.array([*alone.coordinates, *begun]) for begun in (resting, typical)]
     tasks = [(fit, (found.motion, model, [*alone.effects, *effects], x, TO_THE_END)) for x in starts]
-    both = min(in_processes(tasks), key=_missed)
-    return both if np.isfinite(_missed(both)) else alone
+    both = min(in_processes(tasks), key=missed)
+    return both if np.isfinite(missed(both)) else alone
 
 
-def _missed(fit: Fit) -> float:
+def missed(fit: Fit) -> float:
     """Chi squared of a window that has a root; infinite: none has."""
     count = float(fit.evidence.count.sum())
     return fit.chi2 / count if count else np.inf

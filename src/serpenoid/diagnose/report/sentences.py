@@ -34,6 +34,7 @@ GROWS = "; it grows: errors of the servos and of the medium had cancelled"
 SHOWN = 1.15  # times the noise: what reads more than 1.1
 WITHIN = "; in so few windows noise may make as much; what repeats share of it is no more than noise"
 ALIKE = 0.005  # of eps: what reads alike
+SIDEWAYS = "above 1: the body slips more easily sideways than lengthwise, and moves the way its bends run"
 TRACELESS = 0.05  # times the noise: what would read 0.0
 MEANINGS = {
     "nothing": "{law} explains this recording within its noise",
@@ -264,16 +265,11 @@ def ratio(record: Record) -> str:
     if record["effects"] or eps["after"] != eps["before"]:
         said.append(f"{eps['before']:.4g} {'with nothing named' if record['effects'] else 'fitted alone'}")
     said += _in_reference(record) if record["reference"] else []
-    said += [_at_bound(eps["after"])] if eps["at_bound"] else []
+    said += [SIDEWAYS] if eps["after"] > 1 else []
+    said += ["at its bound: a warning that the law is another"] if eps["at_bound"] else []
     if not eps["at_bound"] and low <= LEAST_EPS:
         said.append("its interval begins at the bound: a warning that the law is another")
     return "; ".join(said)
-
-
-def _at_bound(ratio: float) -> str:
-    said = "at its bound: a warning that the law is another"
-    beyond = ", or that the body slips more easily sideways: let `anisotropy_ratio_bounds` in [medium] reach beyond 1"
-    return said + beyond * (ratio == 1.0)
 
 
 def _in_reference(record: Record) -> list[str]:

@@ -40,7 +40,13 @@ from serpenoid.diagnose.residuals.from_trial_to_trial import after_some, as_floo
 from serpenoid.diagnose.residuals.in_some_trials import one_cause_in_some
 from serpenoid.diagnose.residuals.residual_words import astray, pattern
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.law_of_medium import SAME, law_of, numbers_settled, with_own_numbers
+from serpenoid.diagnose.stages.law_of_medium import (
+    SAME,
+    law_of,
+    numbers_settled,
+    slipping_sideways,
+    with_own_numbers,
+)
 from serpenoid.diagnose.stages.other_explanations import beside_others, beside_rivals
 from serpenoid.diagnose.stages.values_of_motion import beside_known, named_of, ratio_beside, ratio_interval
 from serpenoid.model import Model
@@ -94,18 +100,21 @@ def choose_on_tracks(
 
     untestable: effects that are no candidates, and why. amid: makes tracks about a model with vertices amid the edges.
     """
-    baseline = with_own_numbers(baseline, lambda known: eps_alone(track, labels, known, untestable)[0])
+    begun: list[tuple[Baseline, tuple[Motion, Fit]]] = []  # of the last one: it is asked for more than once
+
+    def alone(other: Baseline) -> tuple[Motion, Fit]:
+        if not begun or begun[0][0] is not other:
+            begun[:] = [(other, eps_alone(track, labels, other, untestable))]
+        return begun[0][1]
 
     def beside(other: Baseline) -> Selection:
-        return search(track, labels, other, say, untestable)
+        motion, null = alone(other)
+        return select(motion, null.model, lambda about: other.corrected(track(about)), say)
 
+    baseline = with_own_numbers(baseline, lambda known: alone(known)[0])
+    baseline = slipping_sideways(baseline, alone)
     chosen, baseline = numbers_settled(*with_a_path(baseline, beside), beside)
-    chosen, baseline = beside_others(
-        chosen,
-        baseline,
-        beside,
-        lambda other: eps_alone(track, labels, other, untestable),
-    )
+    chosen, baseline = beside_others(chosen, baseline, beside, alone)
     asked = baseline.ratio is None  # with a reference it is known
     say("which law the medium follows")
     middles = drag_amid_edges(chosen, amid) if asked and amid is not None else Amid()
@@ -156,18 +165,6 @@ def about_nothing(chosen: Selection, retrack: Retrack) -> Selection:
 def not_looked_for(baseline: Baseline, untestable: Mapping[str, str] | None) -> dict[str, str]:
     """Effects that are no candidates, and why."""
     return {**left_out(baseline.without), **beyond_bounds(baseline.model), **(untestable or {})}
-
-
-def search(
-    track: Callable[[Model], tuple[Track, ...]],
-    labels: tuple[int, ...],
-    baseline: Baseline,
-    say: Callable[[str], None],
-    untestable: Mapping[str, str] | None,
-) -> Selection:
-    """Effects beside a baseline."""
-    motion, null = eps_alone(track, labels, baseline, untestable)
-    return select(motion, null.model, lambda about: baseline.corrected(track(about)), say)
 
 
 def eps_alone(

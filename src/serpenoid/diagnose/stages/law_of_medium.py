@@ -9,20 +9,25 @@ import numpy as np
 
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.tracks import NoPath
-from serpenoid.diagnose.inference.bounds import LEAST_EPS
+from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.laws import (
     Misfits,
+    beyond_chance,
     by_its_own_numbers,
     misfits,
+    missed,
     numbers_of,
     rival_laws,
     settled_numbers,
     takes_its_place,
 )
+from serpenoid.diagnose.inference.medium import Fit, fit_eps
 from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.effects.catalogue import of_laws
+from serpenoid.medium import MOST
+from serpenoid.model import Model
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,7 @@ class Taken:
 
 
 SAME = Taken()
+SIDEWAYS = (2.0, 10.0)  # eps at which fits of bodies begin that slip more easily sideways
 ROUNDS = 3  # a number of the law moves by what is named beside it, and what is named by that
 
 
@@ -103,3 +109,26 @@ def with_own_numbers(baseline: Baseline, motion: Callable[[Baseline], Motion]) -
         return baseline
     found = by_its_own_numbers(motion(baseline), model, LEAST_EPS, baseline.without)
     return replace(baseline, model=found.model) if np.isfinite(found.chi2) and found.evidence.count.sum() else baseline
+
+
+def slipping_sideways(baseline: Baseline, alone: Callable[[Baseline], tuple[Motion, Fit]]) -> Baseline:
+    """A baseline whose eps may be above 1, where no file says how far it may go and the body moves the way its bends
+    run: eps alone ends at 1, and beyond it leaves less than LAW_ERROR of that. alone: eps fitted beside a baseline."""
+    model = baseline.model
+    if baseline.ratio is not None or model.medium.anisotropy_ratio_bounds is not None:
+        return baseline
+    motion, found = alone(baseline)
+    if found.model.medium.anisotropy_ratio < MOST_EPS:
+        return baseline
+    tried = [fit_eps(motion, _reaching(found.model, ratio)) for ratio in SIDEWAYS]
+    beyond = min(tried, key=missed)
+    if not beyond_chance(np.sqrt(missed(beyond))) < LAW_ERROR * beyond_chance(np.sqrt(missed(found))):
+        return baseline
+    return replace(baseline, model=_reaching(model, beyond.model.medium.anisotropy_ratio))
+
+
+def _reaching(model: Model, ratio: float) -> Model:
+    """The model with eps above 1, free to go as far as it may."""
+    bounds = LEAST_EPS, MOST
+    medium = model.medium.model_copy(update={"anisotropy_ratio_bounds": bounds, "anisotropy_ratio": ratio})
+    return replace(model, medium=medium)
