@@ -27,6 +27,7 @@ from serpenoid.diagnose.inference.medium import Fit, coordinates_of, fit, fit_ep
 from serpenoid.diagnose.inference.select import Selection, calibrated
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import GUESS, MotionFinding, choose_on_tracks
+from serpenoid.diagnose.stages.law_of_medium import slipping_sideways
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.media import LAWS
@@ -70,6 +71,19 @@ def on_dry(dragged: tuple[Motion, Fit]) -> tuple[Motion, Fit]:
     assert dry is not None
     motion = slid(motion, null, replace(dry, medium=Medium(anisotropy_ratio=EPS, law="coulomb")))
     return motion, fit_eps(motion, null.model)
+
+
+def test_a_body_that_moves_the_way_its_bends_run_has_a_ratio_above_one(dragged: tuple[Motion, Fit]) -> None:
+    motion, null = dragged
+    sideways = Medium(anisotropy_ratio=3.0, anisotropy_ratio_bounds=(1.0, 10.0))
+    slips = slid(motion, null, replace(null.model, medium=sideways))
+    begun = Baseline(null.model)
+    found = slipping_sideways(begun, lambda known: (slips, fit_eps(slips, known.model)))
+    assert found.model.medium.anisotropy_ratio == pytest.approx(3.0, rel=0.02)
+    assert slipping_sideways(begun, lambda known: (motion, fit_eps(motion, known.model))) is begun
+    water = null.model.medium.model_copy(update={"anisotropy_ratio_bounds": (0.1, 1.0)})
+    told = Baseline(replace(null.model, medium=water))
+    assert slipping_sideways(told, lambda known: (slips, fit_eps(slips, known.model))) is told
 
 
 @pytest.mark.slow
