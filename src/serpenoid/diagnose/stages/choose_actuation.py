@@ -29,6 +29,7 @@ from serpenoid.measure.logs import TICK
 from serpenoid.parallel import in_processes
 
 AT_MOST = 7  # effects; two more than joints where these are many: all servos may be weak
+DISPLACED = "no servo need be the cause"
 AT_REST = 0.1  # of a tick, from one reading to the next
 
 
@@ -63,20 +64,52 @@ class Played:
 
 @remembered
 def choose_actuation(data: Plays) -> Stage:
+    """What readings show; of joints that markers alone show, what they show beside constant bends, too: a zero that is
+    off would hide what else is wrong with servos."""
+    said: tuple[str, ...] = ()
+    stage, best = _chosen(data)
+    left = stage.left
+    for _ in range(data.readings.shape[1]):
+        off = _bent_for_good(best)
+        if not off.any():
+            break
+        said += stage.words[:1] + _also_bent(best, off) * (DISPLACED not in stage.words[0])
+        stage, best = _chosen(replace(best.data, habit=best.data.habit + off))
+    return replace(stage, words=(*said, *stage.words), left=max(left, stage.left))
+
+
+def _bent_for_good(best: Played) -> np.ndarray:
+    """Constants (m,) [rad] by which joints are beyond their commands as markers show them, where nearly all that is
+    left of them is that; 0 of the others, and of all where the one that is worst is none of them."""
+    data, none = best.data, np.zeros(best.data.readings.shape[1])
+    if data.recordings[0].by_servos:
+        return none
+    squares = data.structure(best.angles)
+    off = data.left(best.angles).sum(axis=0) / data.often
+    nearly = (squares > VISIBLE**2) & (off**2 >= (1 - LAW_ERROR**2) * squares * data.held_against**2)
+    return np.where(nearly, off, 0.0) if nearly[squares.argmax()] else none
+
+
+def _also_bent(best: Played, off: np.ndarray) -> tuple[str, ...]:
+    """Words on such joints but for the one that is worst."""
+    squares = best.data.structure(best.angles)
+    others = [j for j in np.flatnonzero(off) if j != squares.argmax()]
+    return tuple(_unlike(best, int(j), float(np.sqrt(1 + squares[j]))) for j in others)
+
+
+def _chosen(data: Plays) -> tuple[Stage, Played]:
     """Forward selection; what does not earn its name is dropped, what is too weak is listed."""
     bare = best = Played(data)
     singles: list[Attempt] = []
     for _ in range(max(AT_MOST, data.readings.shape[1] + 2)):
-        if best.followed:
+        if best.followed and (best.effects or data.recordings[0].by_servos):
             break
         tries = attempts(data, best.effects)
         singles = singles or tries
-        size, count = best.priced.parameters, best.priced.count
-        one_more = [Priced(float(t.chi2.sum()), size + _numbers(t.effect), count) for t in tries]
-        found = cheapest(best.priced, one_more, len(tries))
-        if found is None:
+        grown = _next(best, tries)
+        if grown is None:
             break
-        new, best = _one_more(best, [t.effect for t in tries], [p.chi2 for p in one_more], found)
+        new, best = grown
         if _strength(data, new) < VISIBLE:
             break
         if new.place is None and not best.followed:  # before what it leaves looks like faults of joints
@@ -97,7 +130,7 @@ def choose_actuation(data: Plays) -> Stage:
     named = tuple(n for n in every if n.strength >= VISIBLE and not n.may_change_nothing)
     undetected = tuple(n for n in every if n not in named)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
-    return Stage("actuation", named, rivals, undetected, left, words, divided=divided)
+    return Stage("actuation", named, rivals, undetected, left, words, divided=divided), best
 
 
 def _by_trial(best: Played, earlier: Played) -> ByTrial | None:
@@ -125,6 +158,22 @@ def _fewer_moments(best: Played, one: Divided, other: Divided) -> bool:
     names = [r.name for r in best.data.recordings]
     first, second = (sum((a in d.changed) != (b in d.changed) for a, b in pairwise(names)) for d in (one, other))
     return first < second
+
+
+def _next(best: Played, tries: Sequence[Attempt]) -> tuple[ActiveEffect, Played] | None:
+    """The cheapest candidate, and all with it, fitted again, if it is still worth it: where nothing says when trials
+    began, a candidate was tried beside the beginnings that all joints' fits together make, and may do nothing alone."""
+    rest, size, count = list(tries), best.priced.parameters, best.priced.count
+    while rest:
+        one_more = [Priced(float(t.chi2.sum()), size + _numbers(t.effect), count) for t in rest]
+        found = cheapest(best.priced, one_more, len(tries))
+        if found is None:
+            break
+        new, grown = _one_more(best, [t.effect for t in rest], [p.chi2 for p in one_more], found)
+        if cheapest(best.priced, [grown.priced], len(tries)) is not None:
+            return new, grown
+        del rest[found]
+    return None
 
 
 def _one_more(
@@ -172,8 +221,8 @@ def _unlike(best: Played, joint: int, left: float) -> str:
     if marker is None:
         return f"joint {joint + 1} misses its command by {left:.1f} times {_missed(best, joint)}"
     return (
-        f"the bend that markers show at joint {joint + 1} is off its command by {left:.1f} times its noise, and no "
-        f"servo need be the cause: {marker.words}"
+        f"the bend that markers show at joint {joint + 1} is off its command by {left:.1f} times its noise, and "
+        f"{DISPLACED}: {marker.words}"
     )
 
 
