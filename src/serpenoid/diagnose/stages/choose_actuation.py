@@ -126,7 +126,8 @@ def _chosen(data: Plays) -> tuple[Stage, Played]:
     divided = _divided(best, bare, worst, _by_trial(best, earlier)) if doubted else None
     words: tuple[str, ...] = (_unlike(best, worst, left),) if misses else ()
     words += () if divided is None else (divided.words,)
-    words += refused if misses else ()
+    some = divided is not None and divided.changed  # a law that acts in these alone leaves much where it acts in all
+    words += refused if misses and not some else ()
     named = tuple(n for n in every if n.strength >= VISIBLE and not n.may_change_nothing)
     undetected = tuple(n for n in every if n not in named)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
