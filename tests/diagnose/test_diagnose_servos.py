@@ -244,7 +244,11 @@ def test_a_candidate_that_does_nothing_alone_ends_no_search(four: tuple[Recordin
         return np.concatenate(columns, axis=1)
 
     stage = choose_actuation(plays([filmed(r, change, 0.003) for r in four]))
-    assert {n.effect.place for n in stage.named} >= {1, 2, 3, 5, 6}
+    assert [n.effect.key for n in sorted(stage.named, key=lambda n: n.effect.place or 0)] == [
+        ("lagging_joint", joint + 1) for joint in range(len(lags))
+    ]
+    for n in stage.named:
+        assert n.effect.parameters["lag"] == pytest.approx(lags[(n.effect.place or 0) - 1], abs=0.003)
 
 
 def test_a_film_of_another_scale_bends_no_joint_where_there_is_no_log(tmp_path: Path) -> None:
