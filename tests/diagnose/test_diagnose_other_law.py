@@ -12,7 +12,7 @@ from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.inference.other_law import of_another_law
 from serpenoid.diagnose.report.sentences import inadequacy
 from serpenoid.diagnose.stages import choose_motion
-from serpenoid.diagnose.stages.choose_motion import another_law
+from serpenoid.diagnose.stages.choose_motion import another_law, beside_paths
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
 from serpenoid.wording import OTHER_LAW
@@ -78,3 +78,10 @@ def test_it_is_said_why_they_are_in_doubt() -> None:
     effects = [{"name": "load", "place": 1, "site": "medium", "stand_in": True}]
     record = {"effects": effects, "discrepancy_m": 0, "residual_pattern": [why], "verdict": "partly explained"}
     assert "at some places what they give at others" in inadequacy(record)[0]
+
+
+def test_what_does_less_than_is_left_of_paths_may_be_a_part_of_that() -> None:
+    few, paths = load(3, 0.1), 2.3  # times the noise, which so few windows may make by chance
+    weak, strong = replace(few, strength=1.2), replace(few, strength=5.0)
+    assert [n.stand_in for n in beside_paths([weak, strong], paths)] == [True, False]
+    assert not beside_paths([weak], 1.4)[0].stand_in

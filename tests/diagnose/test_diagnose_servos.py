@@ -195,6 +195,82 @@ def test_a_lag_is_told_from_a_late_start_where_nothing_says_when_a_trial_began(
     assert high - low < 0.2 * lag
 
 
+def filmed(r: Recording, change: Callable[[np.ndarray, np.ndarray], np.ndarray], noise: float) -> Recording:
+    """Without a log: what joints do of what they are told (time, angles), as markers show it, with a noise [rad]."""
+    rng = np.random.default_rng(9)
+    true = change(r.read_at, r.schedule.commanded(r.read_at + 0.02))
+    unsure = UNSURE_CYCLE * r.schedule.cycle_duration_s
+    return replace(r, position=true + noise * rng.normal(size=true.shape), by_servos=False, t0_spread=unsure)
+
+
+def test_a_zero_that_is_off_hides_no_other_fault_of_what_markers_show(four: tuple[Recording, ...]) -> None:
+    def change(time: np.ndarray, told: np.ndarray) -> np.ndarray:
+        return told * [1, 1, 1, 1, 0.8, 1] + [0, 0.15, 0, 0, 0, -0.1]
+
+    stage = choose_actuation(plays([filmed(r, change, 0.01) for r in four]))
+    (named,) = stage.named
+    assert named.effect.key == ("gain_loss", 5)
+    assert named.effect.parameters["loss"] == pytest.approx(0.2, abs=0.01)
+    assert [re.findall(r"joint (\d).*?([-+][\d.]+) degrees", w) for w in stage.words] == [
+        [("2", "+8.6")], [("6", "-5.7")]
+    ]  # fmt: skip
+    assert stage.left > 5
+
+
+def test_a_lag_that_hides_in_the_noise_of_markers_is_played_all_the_same(four: tuple[Recording, ...]) -> None:
+    """It moves paths by far more than their noise: shapes are splines about what servos are expected to do."""
+    lag = 0.05
+
+    def change(time: np.ndarray, told: np.ndarray) -> np.ndarray:
+        return lagged(time, told, np.full(len(time) - 1, lag))
+
+    stage = choose_actuation(plays([filmed(r, change, 0.03) for r in four]))
+    assert stage.settled
+    assert not stage.named
+    (found,) = stage.undetected
+    assert found.effect.key == ("servo_lag", None)
+    low, high = found.intervals["lag"]
+    assert low is not None
+    assert high is not None
+    assert 0.02 < low < lag < high
+
+
+def test_a_candidate_that_does_nothing_alone_ends_no_search(four: tuple[Recording, ...]) -> None:
+    """Beside the beginnings that all joints' fits together make, the quickest joint seems to be explained."""
+    lags = np.array([0.25, 0.1, 0.25, 0.03, 0.2, 0.15])
+
+    def change(time: np.ndarray, told: np.ndarray) -> np.ndarray:
+        columns = [lagged(time, told[:, [j]], np.full(len(time) - 1, lag)) for j, lag in enumerate(lags)]
+        return np.concatenate(columns, axis=1)
+
+    stage = choose_actuation(plays([filmed(r, change, 0.003) for r in four]))
+    assert [n.effect.key for n in sorted(stage.named, key=lambda n: n.effect.place or 0)] == [
+        ("lagging_joint", joint + 1) for joint in range(len(lags))
+    ]
+    for n in stage.named:
+        assert n.effect.parameters["lag"] == pytest.approx(lags[(n.effect.place or 0) - 1], abs=0.003)
+
+
+def test_a_film_of_another_scale_bends_no_joint_where_there_is_no_log(tmp_path: Path) -> None:
+    write(make(SEED, [], protocol=protocol(1)), tmp_path)
+    campaign = tmp_path / "campaign.toml"
+    text = re.sub(r"(?m)^servo_log = .*\n", "", campaign.read_text())
+    said = re.search(r"edge_lengths = \[(.*?)\]", text, re.DOTALL)
+    assert said is not None
+    edges = 0.98 * np.array([float(x) for x in said[1].split(",") if x.strip()])
+    campaign.write_text(text.replace(said[0], f"edge_lengths = {edges.tolist()}"))
+    file, read = read_recordings(campaign)
+    for r in read:
+        links = np.linalg.norm(np.diff(r.markers, axis=1), axis=2)
+        np.testing.assert_allclose(np.nanmedian(links, axis=0), file.body.edges_m, rtol=3e-3)
+        (words,) = (remark.words for remark in r.remarks if "links" in remark.words)
+        assert "2 % longer in the film" in words
+        assert "Taken for the film's scale" in words
+    stage = choose_actuation(plays(read))
+    assert stage.settled
+    assert not stage.named
+
+
 def test_a_start_that_labels_leave_open_moves_corners_and_is_no_lag(four: tuple[Recording, ...]) -> None:
     """Rows of 60 ms on straight lines, a log of 25 Hz whose labels say when they were due to 5 ms: moved to first
     order, every corner is missed by as much, which passed for noise, or a lag took a part of it away."""

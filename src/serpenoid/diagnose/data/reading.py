@@ -22,6 +22,8 @@ from serpenoid.files.store import remember
 from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
 from serpenoid.measure.clock import Offset
 from serpenoid.measure.consistency.claims import Reader, read_believed
+from serpenoid.measure.consistency.films import films_of
+from serpenoid.measure.consistency.lengths import LEFT_SO
 from serpenoid.measure.consistency.unplayed import as_filmed
 from serpenoid.measure.film_scale import film_scale
 from serpenoid.measure.links import marker_angles
@@ -29,6 +31,8 @@ from serpenoid.measure.remark import Remark, remarks_of
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.servo_alignment import MIN_CORRELATION, assumed, seen_corners, start_by_corners
 from serpenoid.measure.trial_files import Files, Progress, kept_of_files, of_every_trial
+
+TAKEN = "Taken for the film's scale: if `edge_lengths` are off, so are lengths and speeds here, by as much. Correct it"
 
 
 def read_recordings(
@@ -55,6 +59,7 @@ def _aligned(
     file: CampaignFile, read: Sequence[Files], said: Mapping[str, tuple[Remark, ...]], progress: Progress | None
 ) -> tuple[Recording, ...]:
     """Every trial's clocks aligned; each is kept as soon as it is done. said: remarks by the trial's name."""
+    read, said = _scaled(file, read, said)
     files = {one.entry.name: one for one in read}
 
     def kept(entry: TrialEntry) -> Recording:
@@ -66,6 +71,28 @@ def _aligned(
 
     found = at_played_rate(by_their_commands(with_one_rate(of_every_trial(file.trial, kept, progress))))
     return with_puts(found)
+
+
+def _scaled(
+    file: CampaignFile, read: Sequence[Files], said: Mapping[str, tuple[Remark, ...]]
+) -> tuple[Sequence[Files], Mapping[str, tuple[Remark, ...]]]:
+    """Films of robots without servo logs in the scale in which links are as long as stated, and that said: shapes are
+    what markers show, and chains of other lengths would bend otherwise. With a log it is found as an effect."""
+    if any(f.servo_log is not None and not f.servo_log.repeats_commands for f in read):
+        return read, said
+    films = films_of(file, file.body, read)
+    share = films.all_longer if films is not None else None
+    if films is None or share is None:
+        return read, said
+    as_stated = [
+        replace(f, labelled=replace(f.labelled, vertices=f.labelled.vertices / (1 + share)))
+        if f.labelled is not None and f.entry.name in films.trials
+        else f
+        for f in read
+    ]
+    words = films.said[films.trials[0]].words
+    taken = Remark(f"{words.partition(LEFT_SO)[0]}{TAKEN}")
+    return as_stated, {name: tuple(taken if r.words == words else r for r in own) for name, own in said.items()}
 
 
 def _unread(files: Files) -> list[str]:

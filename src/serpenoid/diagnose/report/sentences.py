@@ -123,6 +123,8 @@ def _why_doubted(record: Record, seen: bool) -> str:
         return "beside what is named, paths are off by more than the noise"
     if record.get("parts_differ_by"):
         return f"parts that differ a little (by {record['parts_differ_by']}) explain as much as the stand-ins"
+    if not record["reference"]:
+        return "stand-ins do less than paths are off by beside them, though in so few windows noise may make as much"
     return "the reference follows a law that the catalogue lacks: stand-ins may mend only that law"
 
 

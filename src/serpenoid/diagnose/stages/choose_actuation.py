@@ -29,6 +29,7 @@ from serpenoid.measure.logs import TICK
 from serpenoid.parallel import in_processes
 
 AT_MOST = 7  # effects; two more than joints where these are many: all servos may be weak
+DISPLACED = "no servo need be the cause"
 AT_REST = 0.1  # of a tick, from one reading to the next
 
 
@@ -63,25 +64,57 @@ class Played:
 
 @remembered
 def choose_actuation(data: Plays) -> Stage:
+    """What readings show; of joints that markers alone show, what they show beside constant bends, too: a zero that is
+    off would hide what else is wrong with servos."""
+    said: tuple[str, ...] = ()
+    stage, best = _chosen(data)
+    left = stage.left
+    for _ in range(data.readings.shape[1]):
+        off = _bent_for_good(best)
+        if not off.any():
+            break
+        said += stage.words[:1] + _also_bent(best, off) * (DISPLACED not in stage.words[0])
+        stage, best = _chosen(replace(best.data, habit=best.data.habit + off))
+    return replace(stage, words=(*said, *stage.words), left=max(left, stage.left))
+
+
+def _bent_for_good(best: Played) -> np.ndarray:
+    """Constants (m,) [rad] by which joints are beyond their commands as markers show them, where nearly all that is
+    left of them is that; 0 of the others, and of all where the one that is worst is none of them."""
+    data, none = best.data, np.zeros(best.data.readings.shape[1])
+    if data.recordings[0].by_servos:
+        return none
+    squares = data.structure(best.angles)
+    off = data.left(best.angles).sum(axis=0) / data.often
+    nearly = (squares > VISIBLE**2) & (off**2 >= (1 - LAW_ERROR**2) * squares * data.held_against**2)
+    return np.where(nearly, off, 0.0) if nearly[squares.argmax()] else none
+
+
+def _also_bent(best: Played, off: np.ndarray) -> tuple[str, ...]:
+    """Words on such joints but for the one that is worst."""
+    squares = best.data.structure(best.angles)
+    others = [j for j in np.flatnonzero(off) if j != squares.argmax()]
+    return tuple(_unlike(best, int(j), float(np.sqrt(1 + squares[j]))) for j in others)
+
+
+def _chosen(data: Plays) -> tuple[Stage, Played]:
     """Forward selection; what does not earn its name is dropped, what is too weak is listed."""
     bare = best = Played(data)
     singles: list[Attempt] = []
     for _ in range(max(AT_MOST, data.readings.shape[1] + 2)):
-        if best.followed:
+        if best.followed and (best.effects or data.recordings[0].by_servos):
             break
         tries = attempts(data, best.effects)
         singles = singles or tries
-        size, count = best.priced.parameters, best.priced.count
-        one_more = [Priced(float(t.chi2.sum()), size + _numbers(t.effect), count) for t in tries]
-        found = cheapest(best.priced, one_more, len(tries))
-        if found is None:
+        grown = _next(best, tries)
+        if grown is None:
             break
-        new, best = _one_more(best, [t.effect for t in tries], [p.chi2 for p in one_more], found)
+        new, best = grown
         if _strength(data, new) < VISIBLE:
             break
         if new.place is None and not best.followed:  # before what it leaves looks like faults of joints
             best = _of_all_anew(best)
-    best = _of_all_anew(Played(data, refined(data, best.effects)))
+    best = _each_its_own(_of_all_anew(Played(data, refined(data, best.effects))))
     best = earned(best, bare, _each_without, lambda found: needed(data, found.effects))
     earlier = best
     best, refused = lawful(best, lambda found: list(found.effects), _law_error, _without)
@@ -93,11 +126,12 @@ def choose_actuation(data: Plays) -> Stage:
     divided = _divided(best, bare, worst, _by_trial(best, earlier)) if doubted else None
     words: tuple[str, ...] = (_unlike(best, worst, left),) if misses else ()
     words += () if divided is None else (divided.words,)
-    words += refused if misses else ()
+    some = divided is not None and divided.changed  # a law that acts in these alone leaves much where it acts in all
+    words += refused if misses and not some else ()
     named = tuple(n for n in every if n.strength >= VISIBLE and not n.may_change_nothing)
     undetected = tuple(n for n in every if n not in named)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
-    return Stage("actuation", named, rivals, undetected, left, words, divided=divided)
+    return Stage("actuation", named, rivals, undetected, left, words, divided=divided), best
 
 
 def _by_trial(best: Played, earlier: Played) -> ByTrial | None:
@@ -127,6 +161,22 @@ def _fewer_moments(best: Played, one: Divided, other: Divided) -> bool:
     return first < second
 
 
+def _next(best: Played, tries: Sequence[Attempt]) -> tuple[ActiveEffect, Played] | None:
+    """The cheapest candidate, and all with it, fitted again, if it is still worth it: where nothing says when trials
+    began, a candidate was tried beside the beginnings that all joints' fits together make, and may do nothing alone."""
+    rest, size, count = list(tries), best.priced.parameters, best.priced.count
+    while rest:
+        one_more = [Priced(float(t.chi2.sum()), size + _numbers(t.effect), count) for t in rest]
+        found = cheapest(best.priced, one_more, len(tries))
+        if found is None:
+            break
+        new, grown = _one_more(best, [t.effect for t in rest], [p.chi2 for p in one_more], found)
+        if cheapest(best.priced, [grown.priced], len(tries)) is not None:
+            return new, grown
+        del rest[found]
+    return None
+
+
 def _one_more(
     best: Played, tries: Sequence[ActiveEffect], chi2: Sequence[float], found: int
 ) -> tuple[ActiveEffect, Played]:
@@ -154,6 +204,24 @@ def _of_all_anew(best: Played) -> Played:
         best = grown[found]
 
 
+def _each_its_own(best: Played) -> Played:
+    """With a law of one joint at the only one that lacks it, in the place of one of all with the same numbers, where
+    that does it for less: all begin elsewhere then, which no smaller step does."""
+    for common in [e for e in best.effects if e.place is None]:
+        numbers = [p.name for p in common.effect.parameters]
+        for name in {e.name for e in best.effects if e.place is not None}:
+            own = [e for e in best.effects if e.name == name]
+            free = {j + 1 for j in range(best.data.readings.shape[1])} - {e.place for e in own}
+            if len(free) != 1 or [p.name for p in own[0].effect.parameters] != numbers:
+                continue
+            every = [*own, ActiveEffect.neutral(name, free.pop()).with_coordinates(np.zeros(len(numbers)))]
+            moved = [e.with_coordinates(np.add(e.coordinates, common.coordinates)) for e in every]
+            kept = [e for e in best.effects if e.name != name and e is not common]
+            other = Played(best.data, refined(best.data, [*kept, *moved]))
+            best = other if cheapest(best.priced, [other.priced], 1) is not None else best
+    return best
+
+
 def _others_of_all(best: Played) -> list[tuple[str, ...]]:
     """Sets of laws without a place, by name, of no more numbers than those that were found, which lack one of them at
     most; a set with no other law in it is left to `earned`."""
@@ -172,8 +240,8 @@ def _unlike(best: Played, joint: int, left: float) -> str:
     if marker is None:
         return f"joint {joint + 1} misses its command by {left:.1f} times {_missed(best, joint)}"
     return (
-        f"the bend that markers show at joint {joint + 1} is off its command by {left:.1f} times its noise, and no "
-        f"servo need be the cause: {marker.words}"
+        f"the bend that markers show at joint {joint + 1} is off its command by {left:.1f} times its noise, and "
+        f"{DISPLACED}: {marker.words}"
     )
 
 

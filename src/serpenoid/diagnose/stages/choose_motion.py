@@ -237,6 +237,8 @@ def finding(
         named = mending(found, named, before, after)
     if motion.ratio is None and chance_from(motion.tracks) == "residuals":
         named = beside_what_is_left(motion, named)
+    if motion.ratio is None:
+        named = beside_paths(named, after / noise_level)
     ends = None if parts is None else ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
     stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)
@@ -252,6 +254,13 @@ def beside_what_is_left(motion: Motion, named: Sequence[Named]) -> list[Named]:
     return [
         replace(n, stand_in=n.stand_in or (n.effect.effect.moves and beyond > LAW_ERROR * n.strength)) for n in named
     ]
+
+
+def beside_paths(named: Sequence[Named], left: float) -> list[Named]:
+    """Names beside the path error that is left over its noise level: what does less than that is beyond the noise may
+    be a part of it, though in few windows noise may make as much."""
+    beyond = float(np.sqrt(max(left**2 - 1, 0.0)))
+    return [replace(n, stand_in=n.stand_in or (n.effect.effect.moves and beyond > n.strength)) for n in named]
 
 
 def another_law(found: Selection, stage: Stage) -> Stage:

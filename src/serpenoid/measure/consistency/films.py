@@ -27,7 +27,7 @@ from serpenoid.body import Body
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.blame import Contradiction
-from serpenoid.measure.consistency.lengths import PARTS, Shown, beside_film, wrong_edge
+from serpenoid.measure.consistency.lengths import PARTS, Shown, all_longer, beside_film, wrong_edge
 from serpenoid.measure.consistency.rivals import CERTAIN
 from serpenoid.measure.remark import Remark
 from serpenoid.measure.trial_files import Files, ever_seen, stated_between
@@ -64,6 +64,13 @@ class Films:
         if np.median(within) > little:
             return dict.fromkeys(self.trials, _by_place(scales))
         return {t: _another(s, scales) for t, s in zip(self.trials, scales, strict=True) if abs(s) > little}
+
+    @property
+    def all_longer(self) -> float | None:
+        """By which share all edges are longer in all films than they are said to be, if that is what is said."""
+        share = all_longer(self.shown[0])
+        said = {remark.words for remark in self.said.values()}
+        return share if share is not None and said == {beside_film(*self.shown)} else None
 
     def _by_direction(self) -> Directed:
         """What links that turn within films show, of edges that all of them show."""

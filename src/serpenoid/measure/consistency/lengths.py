@@ -34,6 +34,7 @@ from serpenoid.measure.consistency.rivals import CERTAIN, ODDS
 
 NORMAL_MAD = float(ndtri(0.75))  # median absolute deviation over standard deviation
 STEADY = 1.5  # times the scatter of any other edge: what noise makes; a marker 7 mm off a joint makes nine times
+LEFT_SO = "Left so it counts as marker noise and moves what is fitted"
 PARTS = 4  # of a recording, whose scales show how far postures and noise move one
 
 
@@ -112,11 +113,11 @@ def beside_film(found: Shown, stated: Floats, names: Sequence[str], all_marked: 
         what += "one of the two is off, or a marker beside its place"
     else:
         return ""
-    return f"{what}. Left so it counts as marker noise and moves what is fitted. Correct it{_left_out(all_marked)}"
+    return f"{what}. {LEFT_SO}. Correct it{_left_out(all_marked)}"
 
 
 def _left_out(all_marked: bool) -> str:
-    return ", or leave `edge_lengths` out: the film then tells them" if all_marked else ""
+    return ", or leave `edge_lengths` out (not for `diagnose`): the film then tells them" if all_marked else ""
 
 
 @dataclass(frozen=True)
