@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
-from serpenoid.files.schema import FilePath, Line, Name, Record, Text, load
+from serpenoid.files.schema import Duration, FilePath, Line, Name, Record, Text, load
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.columns import MotionColumns, ServoKeys, TimeUnit
 from serpenoid.measure.readers import FORMATS, READERS, MotionFormat
@@ -86,7 +86,7 @@ class TrialEntry(MotionKeys):
     name: Name = Field(description="unique; names the trial's figures")
     gait: Name | None = Field(default=None, description="trials with one label and cycle duration are repeats")
     joint_table: FilePath | None = Field(default=None, description="CSV, T rows of joint_1..joint_m [rad]")
-    cycle_duration_s: Positive | None = Field(default=None, description="time for T steps")
+    cycle_duration_s: Duration | None = Field(default=None, description="time for T steps")
     cycles: Annotated[int, Field(ge=1, le=100_000)] | None = Field(
         default=None, description="how often the table is played"
     )
@@ -186,7 +186,7 @@ def read_motion(file: CampaignFile, trial: TrialEntry, folder: Path) -> Tracks |
         return None
     keys, path = file.motion_of(trial), folder / trial.motion
     if keys.format is None:
-        raise InputError(f"trial `{trial.name}`: `format` is missing in [motion]: one of {FORMATS}.")
+        raise InputError(f"`format` is missing in [motion]: one of {FORMATS}.")
     tracks = in_metres(READERS[keys.format].read(path, keys), keys.metres_per_pixel)
     if keys.mirrored:
         tracks = replace(tracks, floor=tracks.floor * (1.0, -1.0))
