@@ -123,3 +123,16 @@ def test_speeds_beyond_all_numbers_are_refused(line: str, tmp_path: Path, capsys
     path = tmp_path / "robot.toml"
     path.write_text(re.sub(rf"{key} = [0-9.]+", line, robot.read_text(), count=1))
     refused(["robot", "check", str(tmp_path), "--robot", str(path)], f"{key}: Input should be greater than", capsys)
+
+
+@pytest.mark.parametrize(
+    ("reference", "said"),
+    [("worm", "has tracked points alone: no robot can be compared with it"), ("", "holds no campaign.toml")],
+)
+def test_what_is_no_reference_is_refused_before_anything_is_diagnosed(
+    reference: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    worm = str(Path(REFERENCE).parent / "campaigns" / "worm.toml")
+    given = worm if reference else ""
+    refused(["diagnose", str(tmp_path), "--reference", given, "--out", str(tmp_path / "out")], said, capsys)
