@@ -127,7 +127,7 @@ def test_speeds_beyond_all_numbers_are_refused(line: str, tmp_path: Path, capsys
 
 @pytest.mark.parametrize(
     ("reference", "said"),
-    [("worm", "has tracked points alone: no robot can be compared with it"), ("", "holds no campaign.toml")],
+    [("worm", "has tracked points alone: no robot can be compared with it"), ("", "'': no such file or folder")],
 )
 def test_what_is_no_reference_is_refused_before_anything_is_diagnosed(
     reference: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -54,7 +54,7 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Read]) 
     wanted = [*([args.reference] if args.reference is not None else []), campaign]
     known = [load_campaign_file(c)[0] for c in wanted]
     sizes = [len(file.trial) for file in known]
-    if args.reference is not None:
+    if args.reference is not None and not known[1].tracked_only:
         check_reference(args.reference, known[0])
     model = content_of(*([Path(args.model)] if args.model else []))
     reference = content_of_campaign(args.reference) if args.reference is not None else None

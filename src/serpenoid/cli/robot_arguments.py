@@ -45,9 +45,8 @@ def told_duration(args: argparse.Namespace, table: JointTable) -> float | None:
     """--cycle-duration, else the results' own [s]; None: nobody says."""
     given = args.cycle_duration
     if given is not None and not SHORTEST_CYCLE_S <= given <= LONGEST_CYCLE_S:
-        raise InputError(
-            f"--cycle-duration must be between {SHORTEST_CYCLE_S:g} and {LONGEST_CYCLE_S:g} seconds, got {given}."
-        )
+        least = f"{SHORTEST_CYCLE_S:g} is the least"
+        raise InputError(f"--cycle-duration must be above 0 and at most 600 seconds, got {given}: {least}.")
     return given or table.stated.cycle_duration_s
 
 

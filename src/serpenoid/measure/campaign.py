@@ -165,10 +165,10 @@ class CampaignFile(Record):
 
 def load_campaign_file(path: str | Path) -> tuple[CampaignFile, Path]:
     """Read `campaign.toml` (or the folder it is in). Returns it and the folder its paths are relative to."""
-    path = Path(path)
+    named, path = str(path), Path(path)
     cure = "`serpenoid new campaign` writes one to start from; docs/campaign-format.md says what is in it."
-    if not path.exists():
-        raise InputError(f"{path}: no such file or folder. {cure}")
+    if not named or not path.exists():  # an empty name would be the folder one is in
+        raise InputError(f"{named or repr(named)}: no such file or folder. {cure}")
     if path.is_dir():
         path = path / "campaign.toml"
         if not path.is_file():
