@@ -19,7 +19,8 @@ from serpenoid.joint_range import JointLimit, misfit, ranges_deg
 Positive = Annotated[float, Field(gt=0)]
 Floats = NDArray[np.float64]
 LEAST = 1e-9  # of lengths and weights
-Length = Annotated[float, Field(ge=LEAST, le=1e6)]  # metres, or any unit: sums and ratios stay finite
+LONGEST = 1e6  # of one edge
+Length = Annotated[float, Field(ge=LEAST, le=LONGEST)]  # metres, or any unit: sums and ratios stay finite
 Weight = Annotated[float, Field(ge=LEAST, le=1e9)]
 BARE = 1e-6  # of the body's weight: a vertex that meets nothing, as a joint between two wheels
 ANIMALS = ("swimmer", "crawler")

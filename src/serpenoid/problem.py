@@ -109,9 +109,7 @@ class Task(Record):
     steps: int = Field(default=50, ge=3, le=100_000, description="T: steps per cycle, rows of the joint table")
     transient: bool = Field(default=False, description="not closed: T + 1 rows played once, from shape to shape")
     cycles: int = Field(default=1, ge=1, le=100_000, description="cycles to simulate and draw")
-    cycle_duration_s: Annotated[float, Field(ge=1e-6, le=1e6)] | None = Field(
-        default=None, description="seconds per cycle"
-    )
+    cycle_duration_s: schema.Duration | None = Field(default=None, description="seconds per cycle")
     objectives: tuple[AnyTerm, ...] = Field(default=(Displacement(),), description="terms; default: displacement")
     demands: tuple[AnyDemand, ...] = Field(default=(), description="requirements beside limits")
     c: float = Field(
@@ -162,7 +160,7 @@ class Problem(Record):
         gait, task = data.get("gait", {}), data.get("task", {})
         family = gait.get("family", "ellipse") if isinstance(gait, dict) else getattr(gait, "family", "ellipse")
         bounds = task.get("bounds", {})
-        if family not in families():  # one fault, not two
+        if not isinstance(family, str) or family not in families():  # one fault, not two
             return data | {"task": {key: value for key, value in task.items() if key != "bounds"}}
         return data if not isinstance(bounds, dict) else data | {"task": task | {"bounds": {"family": family} | bounds}}
 
@@ -373,7 +371,7 @@ def _of_another_family(data: dict[str, Any], assignments: list[str]) -> dict[str
     gait, task = data.get("gait", {}), data.get("task", {})
     if not (isinstance(wanted, dict) and isinstance(gait, dict) and isinstance(task, dict)):
         return data
-    if wanted.get("family", _family(gait)) == _family(gait):
+    if "family" not in wanted or wanted["family"] == _family(gait):
         return data
     return data | {"gait": {}, "task": {key: value for key, value in task.items() if key != "bounds"}}
 

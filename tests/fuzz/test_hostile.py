@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -83,3 +84,55 @@ def test_output_that_cannot_be_printed_is_said_in_a_sentence(shell: str, tmp_pat
     *before, said = ended.stderr.splitlines()
     assert said.startswith("serpenoid: standard output")
     assert all(line.startswith("simulating") for line in before)  # the bar of progress
+
+
+@pytest.mark.parametrize("family", ["nan", "[]", "{}"])
+def test_a_family_that_is_no_word_is_refused_and_not_passed_over(
+    family: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = Path(REFERENCE).read_text().replace("[gait]", f"[gait]\nfamily = {family}", 1)
+    text = "\n".join(line for line in text.split("\n") if not line.startswith('family = "'))
+    (tmp_path / "odd.toml").write_text(text)
+    refused(["simulate", str(tmp_path / "odd.toml")], "odd.toml: [gait] family: must be one of", capsys)
+
+
+def test_a_value_that_ends_options_is_no_value(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["sweep", REFERENCE, "--c=--"])
+    assert ended.value.code == 2
+    assert "argument --c: expected one argument" in capsys.readouterr().err
+
+
+def test_a_file_without_a_name_is_none(tmp_path: Path) -> None:
+    path = tmp_path / "campaign.toml"
+    path.write_text(CAMPAIGN.replace('motion = "motion.csv"', 'motion = ""', 1))
+    with pytest.raises(InputError, match=r"campaign\.toml: \[\[trial\]\] 1 motion: must name a file"):
+        load_campaign_file(path)
+
+
+def test_trials_of_a_record_that_are_no_list_are_a_line_of_the_table(tmp_path: Path) -> None:
+    (tmp_path / "campaign.json").write_text('{"trials": null}')
+    assert main(["table", str(tmp_path), "--out", str(tmp_path / "runs.csv"), "--quiet"]) == 1
+    assert "campaign.json: `trials` must be a list" in (tmp_path / "runs.csv").read_text()
+
+
+@pytest.mark.parametrize("line", ["cycle_duration_s = 1e-308", "speed_limit_rpm = 1e-308"])
+def test_speeds_beyond_all_numbers_are_refused(line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    robot = Path(REFERENCE).parent / "robots" / "snake10-robot.toml"
+    key = line.split(" ", 1)[0]
+    path = tmp_path / "robot.toml"
+    path.write_text(re.sub(rf"{key} = [0-9.]+", line, robot.read_text(), count=1))
+    refused(["robot", "check", str(tmp_path), "--robot", str(path)], f"{key}: Input should be greater than", capsys)
+
+
+@pytest.mark.parametrize(
+    ("reference", "said"),
+    [("worm", "has tracked points alone: no robot can be compared with it"), ("", "'': no such file or folder")],
+)
+def test_what_is_no_reference_is_refused_before_anything_is_diagnosed(
+    reference: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    worm = str(Path(REFERENCE).parent / "campaigns" / "worm.toml")
+    given = worm if reference else ""
+    refused(["diagnose", str(tmp_path), "--reference", given, "--out", str(tmp_path / "out")], said, capsys)

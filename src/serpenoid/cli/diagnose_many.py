@@ -34,7 +34,7 @@ def run_many(args: argparse.Namespace) -> int:
 
     names = [campaigns.name_of(c) for c in args.campaign]
     model = content_of(Path(args.model)) if args.model else None
-    earlier = content_of_campaign(args.reference) if args.reference else None
+    earlier = content_of_campaign(args.reference) if args.reference is not None else None
     key = short_hash(names, model, earlier, sorted(args.without))
     folder = options.output_folder(args, Path("results") / f"diagnoses-{key}", key)
     if len(set(names)) < len(names):

@@ -45,15 +45,19 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Read]) 
     from serpenoid.diagnose.reference import reference_of, summary
     from serpenoid.diagnose.report.summary import lines
     from serpenoid.diagnose.report.write import write
+    from serpenoid.diagnose.start import check_reference
     from serpenoid.measure.campaign import load_campaign_file
     from serpenoid.measure.consistency.claims import read_believed
     from serpenoid.measure.trial_files import unchanged
     from serpenoid.parallel import Beside
 
-    wanted = [*([args.reference] if args.reference else []), campaign]
-    sizes = [len(load_campaign_file(c)[0].trial) for c in wanted]
+    wanted = [*([args.reference] if args.reference is not None else []), campaign]
+    known = [load_campaign_file(c)[0] for c in wanted]
+    sizes = [len(file.trial) for file in known]
+    if args.reference is not None and not known[1].tracked_only:
+        check_reference(args.reference, known[0])
     model = content_of(*([Path(args.model)] if args.model else []))
-    reference = content_of_campaign(args.reference) if args.reference else None
+    reference = content_of_campaign(args.reference) if args.reference is not None else None
     folder = campaigns.folder(args, campaign, "diagnosis", reference, model, sorted(args.without))
     kind = "animal" if load_campaign_file(campaign)[0].tracked_only else "robot"
     work = Work(kind, sizes, not args.no_figures)
@@ -61,7 +65,7 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Read]) 
         work.tell = advance
         pictures = Pictures(folder, None if args.no_figures else artist)
         earlier, before = None, None
-        if args.reference:
+        if args.reference is not None:
             file, then = _diagnosed(args, args.reference, None, work, artist, read_believed, apart=False)
             earlier, before = reference_of(then), summary(then) | {"campaign": file.name}
 

@@ -111,6 +111,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         hint = f"Did you mean `{close[0]}`?" if close else f"Verbs: {', '.join(VERBS)}."
         build_parser().error(f"argument VERB: there is no verb `{verb}`. {hint}")
     parser = build_parser(verb)
+    if empty := next((word for word in words if re.fullmatch(r"--[\w-]+=--", word)), None):
+        parser.error(f"argument {empty[:-3]}: expected one argument")  # argparse would give an empty list
     args, unknown = parser.parse_known_args(words)
     if unknown:
         _meant(parser, args).error(f"unrecognized arguments: {' '.join(unknown)}")

@@ -12,7 +12,7 @@ from serpenoid.files.schema import load
 from serpenoid.robot.checks import Refusal, check_body, check_given, check_repetition, check_table, kept_by_one_cycle
 from serpenoid.robot.description import Robot
 from serpenoid.robot.plan import Plan, make_plan
-from serpenoid.robot.stated import LONGEST_CYCLE_S
+from serpenoid.robot.stated import LONGEST_CYCLE_S, SHORTEST_CYCLE_S
 from serpenoid.robot.table import JointTable, read_table
 
 
@@ -44,8 +44,9 @@ def load_robot(args: argparse.Namespace) -> Robot:
 def told_duration(args: argparse.Namespace, table: JointTable) -> float | None:
     """--cycle-duration, else the results' own [s]; None: nobody says."""
     given = args.cycle_duration
-    if given is not None and not 0 < given <= LONGEST_CYCLE_S:
-        raise InputError(f"--cycle-duration must be above 0 and at most 600 seconds, got {given}.")
+    if given is not None and not SHORTEST_CYCLE_S <= given <= LONGEST_CYCLE_S:
+        least = f"{SHORTEST_CYCLE_S:g} is the least"
+        raise InputError(f"--cycle-duration must be above 0 and at most 600 seconds, got {given}: {least}.")
     return given or table.stated.cycle_duration_s
 
 

@@ -92,6 +92,15 @@ def taken_for_granted(model: Model, law_open: bool, without: frozenset[str], not
     return Baseline(replace(model, effects=moving), others=others, without=without, law_open=law_open)
 
 
+def check_reference(path: str | Path, file: CampaignFile) -> None:
+    """Refuse, before it is diagnosed, an earlier campaign that tells nothing about a robot."""
+    if file.tracked_only:
+        raise InputError(
+            f"--reference {path}: has tracked points alone: no robot can be compared with it. Name an earlier campaign "
+            "of the same robot, with its joint tables or servo logs."
+        )
+
+
 def check_body(path: str | Path | None, file: CampaignFile) -> None:
     """InputError where a file describes another robot than the one that was recorded; animals' points are resampled."""
     data = _model(path) if path is not None else {}

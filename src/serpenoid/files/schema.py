@@ -10,7 +10,15 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, TypeVar, cast, get_args, get_origin
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, GetCoreSchemaHandler, StringConstraints, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    StringConstraints,
+    ValidationError,
+)
 from pydantic_core import CoreSchema
 from pydantic_core.core_schema import no_info_before_validator_function
 
@@ -33,6 +41,8 @@ def plain_name(name: str) -> str:
 def _path(text: str) -> str:
     if not text.isprintable():
         raise ValueError(f"is no path: {BACKSLASH}")
+    if not text.strip():
+        raise ValueError("must name a file; leave it out where there is none")
     return text
 
 
@@ -53,6 +63,7 @@ NAME_SIGNS, NAME_LENGTH = " _.,+=()-", 60
 Name = Annotated[str, AfterValidator(plain_name)]
 Line = Annotated[str, AfterValidator(_printable)]  # for people: titles, comments of files
 FilePath = Annotated[str, AfterValidator(_path)]
+Duration = Annotated[float, Field(ge=1e-6, le=1e6)]  # of a cycle [s]
 Text = Annotated[str, StringConstraints(max_length=20_000)]
 
 

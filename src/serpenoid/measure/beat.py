@@ -105,7 +105,8 @@ def _scale(time_s: Floats, angles: Floats) -> float | None:
         count = min(int(2 * np.ptp(time_s) / period) + 1, MOST_CENTRES)
         at, means, within = _averaged(time_s, angles, period)
         found = sines_about(at, means, np.linspace(time_s[0], time_s[-1], count), period)
-        shares.append((found.left.mean() + within) / max(found.varied.mean() + within, 1e-300))
+        varied = found.varied.mean() + within
+        shares.append((found.left.mean() + within) / varied if varied > 0 else 1.0)
     return float(scales[int(np.argmin(shares))])
 
 
@@ -169,7 +170,7 @@ def sines_about(time_s: Floats, angles: Floats, centres: Floats, period: Floats 
     """Sines in windows about centres (C,), of one period or each of its own (C,)."""
     period = np.broadcast_to(np.asarray(period, dtype=float), centres.shape)
     first, stop = np.searchsorted(time_s, centres - period), np.searchsorted(time_s, centres + period, side="right")
-    width, joints = int((stop - first).max()), angles.shape[1]
+    width, joints = max(1, int((stop - first).max())), angles.shape[1]  # in a gap windows are empty
     found = Sines(centres, np.zeros((len(centres), joints), complex), *np.zeros((2, len(centres))))
     for b in blocks(len(centres), width * (joints + UNKNOWNS)):
         rows = first[b, None] + np.arange(width)

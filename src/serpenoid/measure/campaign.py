@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
-from serpenoid.files.schema import FilePath, Line, Name, Record, Text, load
+from serpenoid.files.schema import Duration, FilePath, Line, Name, Record, Text, load
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.columns import MotionColumns, ServoKeys, TimeUnit
 from serpenoid.measure.readers import FORMATS, READERS, MotionFormat
@@ -86,7 +86,7 @@ class TrialEntry(MotionKeys):
     name: Name = Field(description="unique; names the trial's figures")
     gait: Name | None = Field(default=None, description="trials with one label and cycle duration are repeats")
     joint_table: FilePath | None = Field(default=None, description="CSV, T rows of joint_1..joint_m [rad]")
-    cycle_duration_s: Positive | None = Field(default=None, description="time for T steps")
+    cycle_duration_s: Duration | None = Field(default=None, description="time for T steps")
     cycles: Annotated[int, Field(ge=1, le=100_000)] | None = Field(
         default=None, description="how often the table is played"
     )
@@ -165,10 +165,10 @@ class CampaignFile(Record):
 
 def load_campaign_file(path: str | Path) -> tuple[CampaignFile, Path]:
     """Read `campaign.toml` (or the folder it is in). Returns it and the folder its paths are relative to."""
-    path = Path(path)
+    named, path = str(path), Path(path)
     cure = "`serpenoid new campaign` writes one to start from; docs/campaign-format.md says what is in it."
-    if not path.exists():
-        raise InputError(f"{path}: no such file or folder. {cure}")
+    if not named or not path.exists():  # an empty name would be the folder one is in
+        raise InputError(f"{named or repr(named)}: no such file or folder. {cure}")
     if path.is_dir():
         path = path / "campaign.toml"
         if not path.is_file():
@@ -186,7 +186,7 @@ def read_motion(file: CampaignFile, trial: TrialEntry, folder: Path) -> Tracks |
         return None
     keys, path = file.motion_of(trial), folder / trial.motion
     if keys.format is None:
-        raise InputError(f"trial `{trial.name}`: `format` is missing in [motion]: one of {FORMATS}.")
+        raise InputError(f"`format` is missing in [motion]: one of {FORMATS}.")
     tracks = in_metres(READERS[keys.format].read(path, keys), keys.metres_per_pixel)
     if keys.mirrored:
         tracks = replace(tracks, floor=tracks.floor * (1.0, -1.0))

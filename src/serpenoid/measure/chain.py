@@ -29,6 +29,8 @@ Weighted = tuple[Floats, Floats]
 ITERATIONS = 60
 FEW = 4  # of these, after which links that fit are fitted, but for the last digits
 CONVERGED = 1e-9  # rad and body lengths: far below any marker noise
+LEAST_DAMPING = 1e-12  # of information
+ROUNDING = 1e-14  # of its trace: an edge may be thousands of times another
 SINGULAR = 1e-9  # smallest eigenvalue of the information over its largest: no more than rounding
 LINEAR = 0.03  # rad: cosines of angles so well known are right to half a thousandth, whatever the markers' noise
 VAGUE_SD = 1.0  # rad and body lengths: what is known of a state that nothing measured
@@ -209,7 +211,8 @@ def _descended(
     kept = list(_normal(body, vertices, said, unknowns))
     live = np.flatnonzero(kept[0] > enough)
     for _ in range(most if len(live) else 0):
-        regular = kept[1][live] + (damping[live, None] + 1e-12)[..., None] * np.eye(unknowns.shape[1])
+        least = np.maximum(LEAST_DAMPING, ROUNDING * np.trace(kept[1][live], axis1=1, axis2=2))
+        regular = kept[1][live] + (damping[live] + least)[:, None, None] * np.eye(unknowns.shape[1])
         step = np.linalg.solve(regular, kept[2][live][..., None])[..., 0]
         tried = unknowns[live] + np.clip(step, -0.5, 0.5)
         new = _normal(body, vertices[live], None if said is None else (said[0][live], said[1][live]), tried)

@@ -20,6 +20,7 @@ from serpenoid.errors import InputError
 
 TIMEOUT_S = 120
 MAT_ARRAYS = ("t_s", "frame", "points", "x", "y")
+OWN = "_"  # before names that a file gives: `file` is a word of savez
 Arrays = dict[str, Any]
 
 
@@ -36,20 +37,23 @@ def read_in_child(kind: str, path: Path, size: int) -> Arrays:
         why = said[-1] if ended.returncode == 2 and said else "its reader broke down over it"
         raise InputError(f"{called}: {why}.")
     with np.load(io.BytesIO(ended.stdout)) as data:
-        return dict(data)
+        return {name.removeprefix(OWN): data[name] for name in data.files}
 
 
 def main(kind: str, path: str, megabytes: int) -> int:
     """Write one file's arrays."""
-    read = {"C3D": _c3d, "MATLAB": _matlab}[kind]()
+    read = {"C3D": _c3d, "MATLAB": _matlab, "NumPy": _numpy}[kind]()
     _limit_memory(megabytes * 1_000_000)
     try:
         arrays = read(path)
+    except MemoryError:
+        sys.stderr.write("says that it holds more than fits into memory\n")
+        return 2
     except Exception as error:  # noqa: BLE001 - whatever a library of another language throws
-        sys.stderr.write(f"{error}\n")
+        sys.stderr.write(f"{str(error).rstrip('.')}\n")
         return 2
     stream = io.BytesIO()
-    np.savez(stream, **arrays)
+    np.savez(stream, **{OWN + name: array for name, array in arrays.items()})
     sys.stdout.buffer.write(stream.getvalue())
     return 0
 
@@ -79,6 +83,20 @@ def _matlab() -> Callable[[str], Arrays]:
     def read(path: str) -> Arrays:
         found = loadmat(path, appendmat=False, variable_names=MAT_ARRAYS)
         return {name: np.asarray(found[name], dtype=float) for name in MAT_ARRAYS if name in found}
+
+    return read
+
+
+def _numpy() -> Callable[[str], Arrays]:
+    """All arrays of an .npz, which must be numbers; the one of an .npy is `points`."""
+
+    def read(path: str) -> Arrays:
+        found = np.load(path, allow_pickle=False)
+        arrays = {"points": found} if isinstance(found, np.ndarray) else {name: found[name] for name in found.files}
+        words = next((name for name, array in arrays.items() if array.dtype.kind not in "biuf"), None)
+        if words is not None:
+            raise ValueError(f"`{words}` holds no numbers ({arrays[words].dtype})")
+        return {name: np.asarray(array, dtype=float) for name, array in arrays.items()}
 
     return read
 

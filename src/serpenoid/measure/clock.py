@@ -11,6 +11,7 @@ from serpenoid.measure.cells import Floats
 
 GRID_S = 0.04  # search grid: far finer than a gait cycle; the best shift is refined afterwards
 FINE_S = GRID_S * np.linspace(-3, 3, 13)  # about a shift at which ends are held, which draws it aside
+MOST_S = 2e5  # of two records: beyond two days a clock was set meanwhile, and their grids do not fit into memory
 MOST_ROWS = 10_000  # of a record that choose between shifts; the best is then refined on all
 MOST_SHIFTS = 40  # that nearly agree
 FREEDOM = 4.0  # numbers in which two records differ: amplitudes and phases of two harmonics
@@ -91,7 +92,10 @@ def find_offset(reference_s: Floats, reference: Floats, other_s: Floats, other: 
     t, signal = reference_s[keep], reference[keep]
     if len(t) < 8 or len(other_s) < 8 or signal.std() == 0 or other.std() == 0:
         return None
-    half = 0.5 * min(t[-1] - t[0], other_s[-1] - other_s[0])
+    spans = t[-1] - t[0], other_s[-1] - other_s[0]
+    if sum(spans) > MOST_S:
+        return None
+    half = 0.5 * min(spans)
     from scipy.optimize import minimize_scalar  # reading needs neither, and takes no longer than their import
 
     low, high = t[0] - other_s[-1] + half, t[-1] - other_s[0] - half

@@ -25,6 +25,7 @@ from serpenoid.measure.smooth import DEGREE, WINDOWS, cross_validated, smooth, s
 
 SURE = 3.0  # standard errors of a median: a body shorter by more than noise and this has its corners cut
 ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
+STRETCHED = 3.0  # times its median: no edge grows so long; a point is astray, and would be smeared over a window
 OF_MEDIAN = 1.2533  # standard error of a median over that of a mean, of normal numbers
 
 
@@ -38,10 +39,12 @@ def shown_lengths(body: Body, points: Floats) -> Floats:
 
 
 def steady_lengths(body: Body, time_s: Floats, points: Floats) -> Floats:
-    """The same (F, N - 1) of an animal whose points' paths are smoothed, in frames that show all of them, as much as
-    predicts them best, but never so much that the body is shorter than noise makes it."""
+    """The same (F, N - 1) of an animal whose points' paths are smoothed, in frames that show all of them where they
+    are, as much as predicts them best, but never so much that the body is shorter than noise makes it."""
     found = shown_lengths(body, points)
     rows = np.flatnonzero(np.isfinite(points).all(axis=(1, 2)))
+    if len(rows):
+        rows = rows[(found[rows] <= STRETCHED * np.median(found[rows], axis=0)).all(axis=1)]
     columns = points[rows].reshape(len(rows), 2 * body.vertices)
     best = cross_validated(time_s[rows], columns)
     if best is None:

@@ -58,7 +58,12 @@ def load_campaign(path: str | Path, progress: Progress | None = None, workers: W
     What contradicts itself is refused before anything is computed from it (`serpenoid.measure.consistency`).
     """
     file, folder = load_campaign_file(path)
-    body, trials = kept_of_files("campaign", file, folder, lambda: _aligned(file, folder, progress, workers))
+    try:
+        body, trials = kept_of_files("campaign", file, folder, lambda: _aligned(file, folder, progress, workers))
+    except InputError as error:
+        if not str(error).startswith("["):  # a section: of which file?
+            raise
+        raise InputError(f"{path}: {error}") from None
     return Campaign(file, folder, body, not file.lengths_given, trials)
 
 

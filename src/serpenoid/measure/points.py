@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import RECORDING_BYTES, number, read_bytes
 from serpenoid.measure.cells import (
-    LARGEST,
     Floats,
     Rows,
     block,
@@ -146,8 +145,6 @@ def read_c3d(path: str | Path, up_axis: str = "z") -> Tracks:
         raise InputError(f"{path}: no frames, or POINT:RATE is not a number of frames per second, got {rate:g}.")
     if len(labels) < points.shape[1]:
         raise InputError(f"{path}: POINT:LABELS names {len(labels)} of {points.shape[1]} points.")
-    if np.nanmax(np.abs(points), initial=0.0) > LARGEST:
-        raise InputError(f"{path}: a coordinate is {np.nanmax(np.abs(points)):.3g} {unit}, which is no measurement.")
     whole_points(points, 0, range(len(labels)), labels, path)
     times = np.arange(len(points)) / rate
     tracks = _tracks(times, labels[: points.shape[1]], floor_plane(points, up_axis), unit, path)

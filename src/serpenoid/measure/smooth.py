@@ -18,11 +18,16 @@ from serpenoid.measure.cells import Floats
 Smoother = tuple[Floats, NDArray[np.int64]]  # weights (R, K) and rows (R, K)
 WINDOWS = (1, 5, 7, 9, 13, 17, 25, 35, 49)
 DEGREE = 3
+FAR = float(WINDOWS[-1])  # usual steps: beyond such a gap nothing tells of what is on this side of it
 
 
 def smoother(time_s: Floats, window: int) -> Smoother:
-    """Weights (R, K) and rows (R, K): smoothed row r = sum_k weights[r, k] values[rows[r, k]]."""
+    """Weights (R, K) and rows (R, K): smoothed row r = sum_k weights[r, k] values[rows[r, k]]; across no gap."""
     count = len(time_s)
+    steps = np.diff(time_s)
+    ends = np.flatnonzero(steps > FAR * np.median(steps)) + 1 if count > 2 else np.zeros(0, int)
+    if len(ends):
+        return _side_by_side([smoother(piece, window) for piece in np.split(time_s, ends)])
     k = min(window, count)
     first = np.clip(np.arange(count) - k // 2, 0, count - k)
     rows = first[:, None] + np.arange(k)
@@ -36,6 +41,19 @@ def smoother(time_s: Floats, window: int) -> Smoother:
         gram = np.swapaxes(powers, 1, 2) @ powers
         weights[b] = (powers @ np.linalg.inv(gram)[:, :, :1])[..., 0]
     return weights, rows
+
+
+def _side_by_side(pieces: Sequence[Smoother]) -> Smoother:
+    """One smoother of successive pieces, each by itself; what a short one lacks in width weighs nothing."""
+    count, width = sum(len(rows) for _, rows in pieces), max(rows.shape[1] for _, rows in pieces)
+    weights = np.zeros((count, width))
+    found = np.repeat((np.arange(count)[:, None] + 1) % count, width, axis=1)  # never the row itself
+    first = 0
+    for own, rows in pieces:
+        here = slice(first, first + len(rows)), slice(rows.shape[1])
+        weights[here], found[here] = own, rows + first
+        first += len(rows)
+    return weights, found
 
 
 def smooth(values: Floats, weights: Floats, rows: np.ndarray) -> Floats:
@@ -101,7 +119,10 @@ def cross_validated(time_s: Floats, values: Floats, scale: Floats | float = 1.0)
     best = None
     for by in smoothers(time_s):
         left = (values - smooth(values, *by)) * scale
-        score = (left**2).sum() / (len(time_s) - own_weights(by).sum()) ** 2
+        freedom = len(time_s) - own_weights(by).sum()
+        if not freedom > 0:  # all in pieces too short to smooth
+            continue
+        score = (left**2).sum() / freedom**2
         if best is None or score < best[0]:
             best = score, by
     return None if best is None else best[1]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import io
 import pickle
-import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -18,13 +17,17 @@ from typing import Any
 import numpy as np
 
 from serpenoid.errors import InputError
+from serpenoid.files.inputs import RECORDING_BYTES, read_bytes
 from serpenoid.measure.cells import Floats, block, increasing_times, read_rows
+from serpenoid.measure.child import read_in_child
 from serpenoid.measure.individuals import chosen
 from serpenoid.measure.matlab import OF_IDTRACKER, read_mat
 from serpenoid.measure.scores import sure
 from serpenoid.measure.tracks import DOWN, METRES, End, Tracks, no_time, upright
 
 LIKELY = 0.6  # DeepLabCut's own default of what it shows
+BROKEN = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError, MemoryError, OverflowError)
+MOST_NUMBERS = 100_000_000  # of one data set: an hour of a hundred points at 100 frames/s; packed files may say more
 
 
 @dataclass(frozen=True)
@@ -84,7 +87,7 @@ def _pandas_table(path: Path) -> tuple[list[tuple[str, ...]], Floats, Floats]:
         group = next((file[k] for k in file if "table" in getattr(file[k], "keys", dict)()), None)
         if group is None:
             raise InputError(f"{path}: holds no table as DeepLabCut writes it. Export it as CSV instead.")
-        table = group["table"][()]
+        table = _whole(group["table"], path)
         columns = _plain_pickle(group.attrs["non_index_axes"], path)[0][1]
         values = np.concatenate([table[n] for n in table.dtype.names if n.startswith("values_block")], axis=1)
         return [tuple(map(str, c)) for c in columns], np.asarray(table["index"], float), np.asarray(values, float)
@@ -109,9 +112,9 @@ def read_sleap_analysis(path: str | Path, timing: Timing) -> Tracks:
     path = Path(path)
     with _hdf5(path) as file:
         _require(file, path, "SLEAP analysis", "tracks", "node_names")
-        names = [n.decode() if isinstance(n, bytes) else str(n) for n in file["node_names"][()]]
-        tracks = np.asarray(file["tracks"][()], float)
-        scores = np.asarray(file["point_scores"][()], float) if "point_scores" in file else None
+        names = [n.decode() if isinstance(n, bytes) else str(n) for n in _whole(file["node_names"], path)]
+        tracks = np.asarray(_whole(file["tracks"], path), float)
+        scores = np.asarray(_whole(file["point_scores"], path), float) if "point_scores" in file else None
         tracked = [n.decode() if isinstance(n, bytes) else str(n) for n in file.get("track_names", ())]
     if tracks.ndim != 4 or tracks.shape[1:3] != (2, len(names)):
         raise InputError(f"{path}: `tracks` must be (animals, 2, {len(names)}, frames), got {tracks.shape}.")
@@ -128,7 +131,7 @@ def read_tierpsy(path: str | Path, timing: Timing) -> Tracks:
     path = Path(path)
     with _hdf5(path) as file:
         _require(file, path, "Tierpsy features", "coordinates/skeletons")
-        skeletons = np.asarray(file["coordinates/skeletons"][()], float)
+        skeletons = np.asarray(_whole(file["coordinates/skeletons"], path), float)
         frames = np.arange(len(skeletons), dtype=float)
         rate = timing.frames_per_second
         if "timeseries_data" in file and file["timeseries_data"].dtype.names:
@@ -177,15 +180,9 @@ def read_array(path: str | Path, timing: Timing) -> Tracks:
 def read_npz(path: Path) -> dict[str, Floats]:
     """All arrays of an .npz, which must be numbers; the one of an .npy is `points`."""
     try:
-        with path.open("rb") as stream:
-            found = np.load(stream, allow_pickle=False)
-            arrays = {"points": found} if isinstance(found, np.ndarray) else {name: found[name] for name in found.files}
-            return {name: np.asarray(array, float) for name, array in arrays.items()}
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file.") from None
-    except (OSError, ValueError, TypeError, AttributeError, EOFError, KeyError, zipfile.BadZipFile) as error:
-        pickled = f" {OF_IDTRACKER}" if "pickle" in str(error) else ""
-        raise InputError(f"{path}: not a readable file of NumPy's numbers: {error}.{pickled}") from None
+        return read_in_child("NumPy", path, len(read_bytes(path, RECORDING_BYTES)))
+    except InputError as error:
+        raise InputError(f"{error} {OF_IDTRACKER}" if "pickle" in str(error) else str(error)) from None
 
 
 def _image(path: Path, frames: Floats, names: Sequence[str], floor: Floats, timing: Timing) -> Tracks:
@@ -224,8 +221,20 @@ def _hdf5(path: Path) -> Iterator[Any]:
     try:
         with h5py.File(path, "r") as file:
             yield file
-    except (OSError, KeyError, RuntimeError) as error:
+    except InputError:
+        raise
+    except BROKEN as error:
         raise InputError(f"{path}: not a readable HDF5 file: {error}") from None
+
+
+def _whole(data: Any, path: Path) -> Any:
+    """All of a data set, if it is one that can be read."""
+    if not hasattr(data, "dtype"):
+        raise InputError(f"{path}: `{data.name}` is a group, where a table of numbers belongs.")
+    numbers = data.size * data.dtype.itemsize // 8
+    if numbers > MOST_NUMBERS:
+        raise InputError(f"{path}: `{data.name}` says that it holds {numbers:.3g} numbers. Is it the right file?")
+    return data[()]
 
 
 def _require(file: Any, path: Path, kind: str, *names: str) -> None:

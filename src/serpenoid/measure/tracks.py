@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
-from serpenoid.measure.cells import clock
+from serpenoid.measure.cells import LARGEST, clock
 
 Floats = NDArray[np.float64]
 End = Literal["tail", "head"]
 LengthUnit = Literal["m", "cm", "mm", "um", "px", "bl"]
 
+LEAST_S = 1e-8  # between frames: the fastest cameras take ten million a second
 DOWN = np.array([1.0, -1.0])  # image rows count downwards
 METRES: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "um": 1e-6, "px": 1.0, "bl": 1.0}
 
@@ -59,6 +60,16 @@ class Tracks:
             raise InputError(f"{self.source}: {self.floor.shape} positions for {frames} frames and {markers} markers.")
         if not np.isfinite(self.floor).any():
             raise InputError(f"{self.source}: no marker is seen in any frame.")
+        if np.nanmax(np.abs(self.floor)) > LARGEST:
+            raise InputError(
+                f"{self.source}: a position is {np.nanmax(np.abs(self.floor)):.3g}, which is no measurement."
+            )
+        if (np.diff(self.time_s) < LEAST_S).any():
+            first = int((np.diff(self.time_s) < LEAST_S).argmax())
+            raise InputError(
+                f"{self.source}: frames {first + 1} and {first + 2} are less than {LEAST_S:g} s apart, which no camera "
+                "is. Are `time_unit` and `frames_per_second` right?"
+            )
 
     @property
     def seen(self) -> NDArray[np.bool_]:

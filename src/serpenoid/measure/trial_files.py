@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from serpenoid.body import Body
+from serpenoid.body import LEAST, LONGEST, Body
 from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest, remember
 from serpenoid.measure.campaign import CampaignFile, MotionKeys, TrialEntry, read_motion, read_table
@@ -254,8 +254,19 @@ def _estimate_lengths(file: CampaignFile, read: Sequence[Files]) -> Body:
                 )
             pairs = ", ".join(f"`{labels[k]}` and `{labels[k + 1]}`" for k in never)
             raise InputError(f"[body] has no lengths, and these neighbours are never seen together: {pairs}. {UNSEEN}")
-        body = body.changed(edge_lengths=tuple(_medians(together).tolist()))
+        body = body.changed(edge_lengths=_within_reason(_medians(together)))
     return body
+
+
+def _within_reason(edges: Floats) -> tuple[float, ...]:
+    """Edges (N - 1,) that a body can have."""
+    odd = edges[(edges < LEAST) | (edges > LONGEST)]
+    if odd.size:
+        raise InputError(
+            f"[body] has no lengths, and by its points an edge is {odd[0]:.3g} m long (median of all frames). Is "
+            "`length_unit` in [motion] right? Are numbers among them that stand for nothing?"
+        )
+    return tuple(edges.tolist())
 
 
 def other_lengths(body: Body, read: Sequence[Files], blocks: int) -> Floats:

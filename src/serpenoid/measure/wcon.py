@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from serpenoid.errors import InputError
+from serpenoid.files.inputs import RECORDING_BYTES, read_text
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.individuals import chosen
 from serpenoid.measure.trackers import Timing, as_tracks
@@ -70,7 +71,7 @@ def _rows(entry: dict[str, Any], path: Path) -> Iterator[tuple[float, Floats, En
         for t, x, y, ox, oy, head in zip(times, xs, ys, *origins, named, strict=True):
             row = np.stack([np.atleast_1d(np.array(x, float)) + ox, np.atleast_1d(np.array(y, float)) + oy], axis=1)
             yield float(t), row, FIRST.get(str(head)[:1].upper())
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(
             f"{path}: `t`, `x`, `y` and what stands beside them must be numbers, one list of points at every time: "
             f"{error}."
@@ -90,11 +91,10 @@ def _turned(ends: list[End | None], floor: Floats) -> tuple[End | None, Floats]:
 
 
 def _json(path: Path) -> dict[str, Any]:
+    text = read_text(path, RECORDING_BYTES)
     try:
-        record = json.loads(path.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file.") from None
-    except (OSError, ValueError, RecursionError) as error:
+        record = json.loads(text)
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not a JSON file: {str(error)[:100]}.") from None
     if not isinstance(record, dict):
         raise InputError(f"{path}: a WCON file is one JSON object.")

@@ -13,6 +13,7 @@ from pydantic import AfterValidator, Field, ValidationInfo, field_validator, mod
 
 from serpenoid.files.schema import Name, Record
 from serpenoid.robot.models import DEFAULT, ServoModel, models
+from serpenoid.robot.stated import LONGEST_CYCLE_S, SHORTEST_CYCLE_S
 from serpenoid.wording import counted
 
 
@@ -37,7 +38,7 @@ class JointServo(Record):
     zero_ticks: int = Field(ge=0)
     minimum_ticks: int = Field(ge=0)
     maximum_ticks: int = Field(ge=0)
-    speed_limit_rpm: float = Field(gt=0)
+    speed_limit_rpm: float = Field(ge=0.001)
 
     @field_validator("zero_ticks", "minimum_ticks", "maximum_ticks")
     @classmethod
@@ -83,7 +84,7 @@ class BusSettings(Record):
 
 
 class MotionSettings(Record):
-    cycle_duration_s: float = Field(gt=0, le=600)
+    cycle_duration_s: float = Field(ge=SHORTEST_CYCLE_S, le=LONGEST_CYCLE_S)
     approach_speed_rpm: float = Field(default=5.0, gt=0, le=20)
     approach_limit_deg: float = Field(default=90.0, gt=0, le=360)
     watchdog_s: float = Field(default=0.5, ge=0.2, le=2.5)  # silence after which a servo stops by itself

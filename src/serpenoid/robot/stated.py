@@ -16,7 +16,7 @@ from serpenoid.files.inputs import read_json
 from serpenoid.joint_range import JointLimit, Limit, limit_words
 from serpenoid.wording import counted, listed
 
-LONGEST_CYCLE_S = 600.0
+SHORTEST_CYCLE_S, LONGEST_CYCLE_S = 0.001, 600.0
 RESULTS = "solution.json"
 RECORDS = RESULTS, "play.json"
 NEEDED = "cycle_duration_s", "transient"  # the first may be null: nobody says
@@ -43,7 +43,7 @@ class _Held(_Part):
 class Stated(_Part):
     """The part of a record that the robot needs."""
 
-    cycle_duration_s: Annotated[float, Field(gt=0, le=LONGEST_CYCLE_S)] | None = None
+    cycle_duration_s: Annotated[float, Field(ge=SHORTEST_CYCLE_S, le=LONGEST_CYCLE_S)] | None = None
     body: _Body = _Body()
     limits_held: _Held = _Held()
     transient: bool = False

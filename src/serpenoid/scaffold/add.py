@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from serpenoid.errors import InputError
+from serpenoid.files.inputs import read_json, read_text
 from serpenoid.files.schema import plain_name, read_toml, validate
 from serpenoid.files.writing import write_text
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file, read_motion
@@ -43,7 +44,7 @@ def add_trial(campaign: Path, new: NewTrial) -> str:
     target = folder / entry["name"]
     place = {key: f"{entry['name']}/{source.name}" for key, source in _sources(new).items()}
     ended = entry.pop("ended", None)
-    text = _without_example(file.read_text(encoding="utf-8")).rstrip() + "\n\n" + _section(entry | place, ended)
+    text = _without_example(read_text(file)).rstrip() + "\n\n" + _section(entry | place, ended)
     made = not target.exists()
     if not made and (new.log is None or target.resolve() != new.log.resolve()):
         raise InputError(f"{target}: is there already. Give another --name.")
@@ -100,15 +101,13 @@ def _entry(known: CampaignFile, folder: Path, new: NewTrial) -> dict[str, Any]:
 
 def _played(log: Path, anyway: bool) -> dict[str, Any]:
     path = log / "play.json"
+    if not path.exists():
+        raise InputError(f"{path}: no such file. Name a folder that `serpenoid play --log` wrote.")
+    record = read_json(path)
+    _refuse_transient(path, record)
     try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-        _refuse_transient(path, record)
         trial = read_toml(log / "trial.toml")["trial"][0]
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file. Name a folder that `serpenoid play --log` wrote.") from None
-    except InputError:
-        raise
-    except (OSError, ValueError, KeyError, IndexError, TypeError) as error:
+    except (KeyError, IndexError, TypeError) as error:
         raise InputError(f"{log}: is no recording of `serpenoid play` ({error}).") from None
     status, reason = (record.get("status"), record.get("reason", "")) if isinstance(record, dict) else (None, "")
     if status == "done":

@@ -82,7 +82,10 @@ def _rows(path: Path) -> list[Row]:
     own = {k: v for k, v in kept.items() if not k.startswith("provenance.versions.")}
     if each is None:
         return [about | own]
-    entries = [e for e in data.get(each, []) if isinstance(e, dict)]
+    entries = data.get(each, [])
+    if not isinstance(entries, list):
+        raise InputError(f"{path}: `{each}` must be a list. Was the file edited?")
+    entries = [e for e in entries if isinstance(e, dict)]
     return [about | own | _named(dict(_flat(entry))) for entry in entries]
 
 
