@@ -1,66 +1,47 @@
-"""All laws of a body at once: found where they act together, none where one gait is all there is."""
+"""Causes of one name at several places: told side by side, with the value that would do for all of them."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
-from types import SimpleNamespace
-from typing import cast
+from typing import Any
 
-import numpy as np
 import pytest
 
-from blind.campaign import COMBINATIONS, make
-from blind.catalogue import Effect
-from blind.folder import write
-from blind.windows import windows
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.inference.medium import Fit, fit_eps
-from serpenoid.diagnose.inference.select import Selection, calibrated
-from serpenoid.diagnose.inference.together import laws_together
-
-WHEELS = {
-    "wheel_mount": ("share", 0.9),
-    "contact_offset": ("offset", 0.02),
-    "track_width": ("half_track", 0.05),
-    "grip_saturation": ("saturation_speed", 0.05),
-}
+from serpenoid.diagnose.report.together import in_common, titles, together
 
 
-@pytest.fixture(scope="module")
-def wheeled(tmp_path_factory: pytest.TempPathFactory) -> tuple[Motion, Fit]:
-    """Pairs of wheels on axles behind the joints, whose tyres slip, and drag alone fitted to them."""
-    folder: Path = tmp_path_factory.mktemp("wheels")
-    laws = [Effect(name, None, {parameter: value}) for name, (parameter, value) in WHEELS.items()]
-    campaign = make(71, laws, "wheels", COMBINATIONS[:3])
-    write(campaign, folder)
-    motion, model = windows(folder, campaign.eps)
-    return calibrated(motion, fit_eps(motion, model))
+def weak(joint: int, value: float, half: float = 0.004, stand_in: bool = False) -> dict[str, Any]:
+    loss = {"value": value, "interval": [value - half, value + half], "unit": "1"}
+    return {
+        "name": "gain_loss", "place": joint, "parameters": {"loss": loss}, "strength_over_noise": 2.0 + joint / 10,
+        "stand_in": stand_in,
+    }  # fmt: skip
 
 
-def _found(motion: Motion, null: Fit) -> Selection:
-    """A search that found nothing."""
-    return cast(Selection, SimpleNamespace(motion=motion, null=null, best=null, settled=null))
+def record(*effects: dict[str, Any]) -> dict[str, Any]:
+    return {"effects": effects, "alternatives": []}
 
 
-def test_laws_that_act_together_are_found_from_where_they_change_nothing(wheeled: tuple[Motion, Fit]) -> None:
-    motion, null = wheeled
-    found = laws_together(_found(motion, null))
-    assert found is not None
-    values = {e.name: e.parameters for e in found.effects}
-    assert values.keys() == WHEELS.keys()
-    assert {name: values[name][p] for name, (p, _) in WHEELS.items()} == {
-        name: pytest.approx(value, rel=0.15) for name, (_, value) in WHEELS.items()
-    }
-    assert found.chi2 < 0.002 * null.chi2
+def test_three_weak_servos_are_told_together_and_two_apart() -> None:
+    lag = weak(5, 0.05) | {"name": "lagging_joint"}
+    three = record(weak(4, 0.095), lag, weak(2, 0.096), weak(3, 0.094))
+    assert [[e["place"] for e in group] for group in together(three)] == [[2, 3, 4], [5]]
+    assert titles(together(three)[0]) == "gain_loss at joints 2 to 4 (2.2 to 2.4 times the noise)"
+    assert [len(group) for group in together(record(weak(4, 0.095), lag, weak(2, 0.096)))] == [1, 1, 1]
 
 
-def test_one_gait_says_nothing_of_so_many_numbers(wheeled: tuple[Motion, Fit]) -> None:
-    motion, null = wheeled
-    assert laws_together(_found(replace(motion, labels=(0,) * len(motion.labels)), null)) is None
+def test_stand_ins_and_what_may_be_another_are_told_alone() -> None:
+    other = {"name": "slow_joint", "place": 2, "instead_of": weak(2, 0.1)}
+    said = record(weak(1, 0.1), weak(2, 0.1), weak(3, 0.1), weak(7, 0.1, stand_in=True)) | {"alternatives": [other]}
+    said["alternatives"][0]["separation_over_noise"] = 0.5
+    assert [len(group) for group in together(said)] == [1, 1, 1, 1]
 
 
-def test_where_little_is_left_there_is_nothing_to_find(wheeled: tuple[Motion, Fit]) -> None:
-    motion, null = wheeled
-    clear = replace(null, chi2=float(np.sum(null.evidence.count)))
-    assert laws_together(_found(motion, clear)) is None
+@pytest.mark.parametrize(("third", "alike"), [(0.097, True), (0.120, False)])
+def test_one_value_for_all_is_said_where_every_interval_holds_it(third: float, alike: bool) -> None:
+    words = in_common([weak(1, 0.095), weak(2, 0.096), weak(5, third)])
+    assert words.startswith("loss 0.096 lies in every interval") == alike
+    assert bool(words) == alike
+
+
+def test_places_that_are_not_in_a_row_are_listed() -> None:
+    assert titles([weak(1, 0.1), weak(2, 0.1), weak(5, 0.1)]).startswith("gain_loss at joints 1, 2 and 5 (")

@@ -15,6 +15,7 @@ from serpenoid.diagnose.report.sentences import (
     undetected,
     unreliable,
 )
+from serpenoid.diagnose.report.together import in_common, titles, together
 from serpenoid.diagnose.report.words import (
     STAND_IN,
     Record,
@@ -67,8 +68,12 @@ def _verdict(record: Record) -> Card:
 
 def _cause(record: Record) -> Card:
     effects = foremost(record)
-    rows = [(name, parameter(p)) for e in effects for name, p in e["parameters"].items()]
-    said = [text for e in effects for text in _about(e, record)]
+    several = together(record)
+    rows = [
+        (name if len(group) == 1 else title(e), parameter(p))
+        for group in several for e in group for name, p in e["parameters"].items()
+    ]  # fmt: skip
+    said = [text for group in several for text in _about(group, record)]
     said += [f"Below detection: {few(weak)}."] if (weak := undetected(record)) else []
     if record["drag_ratio"]:
         what = law(record)
@@ -79,8 +84,13 @@ def _cause(record: Record) -> Card:
     return Card("Cause and place", answer or "none named", said, rows)
 
 
-def _about(effect: Record, record: Record) -> list[str]:
-    """What an effect looks like and, where it is a cause, what to do."""
+def _about(group: list[Record], record: Record) -> list[str]:
+    """What an effect looks like and, where it is a cause, what to do; of several causes of one name, of all of them."""
+    effect = group[0]
+    if len(group) > 1:
+        words, shared = advice(record, effect), in_common(group)
+        said = [f"{titles(group)}: {words.looks_like}.", *([sentence(shared)] if shared else [])]
+        return [*said, f"What to do: {words.what_to_do}."]
     words, own = advice(record, effect), own_place(effect, record)
     place = f"{title(effect)}, which is {own}" if own else title(effect)
     strength = f"{place} ({times(effect['strength_over_noise'])})"

@@ -31,6 +31,7 @@ from serpenoid.diagnose.report.sentences import (
     untestable,
     within_chance,
 )
+from serpenoid.diagnose.report.together import in_common, titles, together
 from serpenoid.diagnose.report.words import (
     STAND_IN,
     Record,
@@ -44,6 +45,7 @@ from serpenoid.diagnose.report.words import (
     title,
     unseen,
 )
+from serpenoid.effects.catalogue import find
 
 LINKS = (
     f"{WHOLE_LINKS}: what is left may be that it does not resist its own turning; how much, and how to cut links: "
@@ -108,8 +110,12 @@ def _details(record: Record) -> list[str]:
 
 def _causes(record: Record) -> list[str]:
     """What is named, with its values, what to do, and what fits as well."""
-    found, shown = [], foremost(record)
-    for e in shown:
+    found, shown = list[str](), foremost(record)
+    for group in together(record):
+        e = group[0]
+        if len(group) > 1:
+            found += _alike(group, record)
+            continue
         strength = f"{title(e)} ({times(e['strength_over_noise'])})"
         found += _rows("cause?", [strength + STAND_IN]) if e["stand_in"] else _rows("cause", [strength])
         found += _rows("  where", [where] if (where := own_place(e, record)) else [])
@@ -118,6 +124,17 @@ def _causes(record: Record) -> list[str]:
         found += _rows("  what to do", [] if e["stand_in"] else [advice(record, e).what_to_do])
     more = len(record["effects"]) - len(shown)
     return found + _rows("", [f"and {more} more stand-ins in diagnosis.json"] if more else [])
+
+
+def _alike(group: list[Record], record: Record) -> list[str]:
+    """Causes of one name at several places."""
+    values = [(f"  {find(e['name']).place} {e['place']}", p) for e in group for p in e["parameters"].values()]
+    return [
+        *_rows("cause", [titles(group)]),
+        *(f"{label:{LABEL}} {parameter(p)}" for label, p in values),
+        *_rows("  all alike", filter(None, [in_common(group)])),
+        *_rows("  what to do", [advice(record, group[0]).what_to_do]),
+    ]
 
 
 def _rows(label: str, texts: Iterable[str]) -> list[str]:
