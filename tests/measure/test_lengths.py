@@ -213,7 +213,7 @@ def test_films_of_one_scale_are_told_together_or_not_at_all(noise):
     said = films([1.03] * 4, noise, beside=0.0).said
     assert len(said) == 4
     assert all("in the film than `edge_lengths`" in remark.words for remark in said.values())
-    assert {remark.kind for remark in said.values()} == {"trial"}
+    assert {remark.kind for remark in said.values()} == {"scale"}
 
 
 def test_scales_that_change_within_films_as_much_are_the_cameras():

@@ -6,13 +6,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-Kind: TypeAlias = Literal["trial", "cameras"]
+Kind: TypeAlias = Literal["trial", "cameras", "scale"]
 
 
 @dataclass(frozen=True)
 class Remark:
     """words: for people. kind: `cameras` where cameras must be set right, and no entry of the campaign file mends it;
-    `trial`: all else."""
+    `scale` where all links are longer or shorter in films than stated; `trial`: all else."""
 
     words: str
     kind: Kind = "trial"

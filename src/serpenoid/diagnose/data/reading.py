@@ -23,7 +23,7 @@ from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_f
 from serpenoid.measure.clock import Offset
 from serpenoid.measure.consistency.claims import Reader, read_believed
 from serpenoid.measure.consistency.films import films_of
-from serpenoid.measure.consistency.lengths import LEFT_SO
+from serpenoid.measure.consistency.lengths import taken_for_scale
 from serpenoid.measure.consistency.unplayed import as_filmed
 from serpenoid.measure.film_scale import film_scale
 from serpenoid.measure.links import marker_angles
@@ -31,8 +31,6 @@ from serpenoid.measure.remark import Remark, remarks_of
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.servo_alignment import MIN_CORRELATION, assumed, seen_corners, start_by_corners
 from serpenoid.measure.trial_files import Files, Progress, kept_of_files, of_every_trial
-
-TAKEN = "Taken for the film's scale: if `edge_lengths` are off, so are lengths and speeds here, by as much. Correct it"
 
 
 def read_recordings(
@@ -81,7 +79,7 @@ def _scaled(
     if any(f.servo_log is not None and not f.servo_log.repeats_commands for f in read):
         return read, said
     films = films_of(file, file.body, read)
-    share = films.all_longer if films is not None else None
+    share = films.scale if films is not None else None
     if films is None or share is None:
         return read, said
     as_stated = [
@@ -90,9 +88,8 @@ def _scaled(
         else f
         for f in read
     ]
-    words = films.said[films.trials[0]].words
-    taken = Remark(f"{words.partition(LEFT_SO)[0]}{TAKEN}")
-    return as_stated, {name: tuple(taken if r.words == words else r for r in own) for name, own in said.items()}
+    taken = Remark(taken_for_scale(share))
+    return as_stated, {name: tuple(taken if r.kind == "scale" else r for r in own) for name, own in said.items()}
 
 
 def _unread(files: Files) -> list[str]:

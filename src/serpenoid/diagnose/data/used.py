@@ -12,7 +12,6 @@ from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.single_markers import told
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.effects.base import Parameter
-from serpenoid.measure.remark import Kind
 from serpenoid.measure.usage import Usage, said_once
 from serpenoid.media import LAWS
 
@@ -38,22 +37,22 @@ def used(tracks: Sequence[Track]) -> Usage:
 def remarks(tracks: Sequence[Track]) -> tuple[str, ...]:
     """Each once: what the campaign's check against itself had to say, but for cameras, and what tells chance if trials
     do not."""
-    checked = said_once((t.recording.name, _said(t, "trial")) for t in tracks)
+    checked = said_once((t.recording.name, _said(t, cameras=False)) for t in tracks)
     poor = CHANCE.get(chance_from(tracks))
     return (*([poor] if poor else []), *checked, *_strays(tracks))
 
 
 def about_cameras(tracks: Sequence[Track]) -> tuple[str, ...]:
     """Each once: what films show of their cameras, with the trials, if it is not of all."""
-    said = {t.recording.name: _said(t, "cameras") for t in tracks}
+    said = {t.recording.name: _said(t, cameras=True) for t in tracks}
     of_all = set.intersection(*map(set, said.values())) if said else set()
     own = said_once((name, [text for text in texts if text not in of_all]) for name, texts in said.items())
     return (*dict.fromkeys(text for texts in said.values() for text in texts if text in of_all), *own)
 
 
-def _said(track: Track, kind: Kind) -> list[str]:
-    """Words of the remarks on a track's recording that are of one kind."""
-    return [remark.words for remark in track.recording.remarks if remark.kind == kind]
+def _said(track: Track, cameras: bool) -> list[str]:
+    """Words of the remarks on a track's recording that are about cameras, or of all others."""
+    return [remark.words for remark in track.recording.remarks if (remark.kind == "cameras") == cameras]
 
 
 def _strays(tracks: Sequence[Track]) -> tuple[str, ...]:

@@ -55,7 +55,8 @@ class Films:
             if directed.certain and directed.share > max(APART, self.shown[0].noise.max() / 2):
                 return dict.fromkeys(self.trials, _stretched(directed.share))
             words = beside_film(*self.shown)
-            return dict.fromkeys(self.trials, Remark(words)) if words else {}
+            remark = Remark(words) if all_longer(self.shown[0]) is None else Remark(words, "scale")
+            return dict.fromkeys(self.trials, remark) if words else {}
         if not _differ(longer - directed.along):
             return dict.fromkeys(self.trials, _stretched(directed.share, BY_IT))
         scales = longer.mean(axis=1)
@@ -66,11 +67,9 @@ class Films:
         return {t: _another(s, scales) for t, s in zip(self.trials, scales, strict=True) if abs(s) > little}
 
     @property
-    def all_longer(self) -> float | None:
-        """By which share all edges are longer in all films than they are said to be, if that is what is said."""
-        share = all_longer(self.shown[0])
-        said = {remark.words for remark in self.said.values()}
-        return share if share is not None and said == {beside_film(*self.shown)} else None
+    def scale(self) -> float | None:
+        """By which share all links are longer in all films than stated, if that is what is said."""
+        return all_longer(self.shown[0]) if any(r.kind == "scale" for r in self.said.values()) else None
 
     def _by_direction(self) -> Directed:
         """What links that turn within films show, of edges that all of them show."""

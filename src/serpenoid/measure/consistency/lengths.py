@@ -34,7 +34,6 @@ from serpenoid.measure.consistency.rivals import CERTAIN, ODDS
 
 NORMAL_MAD = float(ndtri(0.75))  # median absolute deviation over standard deviation
 STEADY = 1.5  # times the scatter of any other edge: what noise makes; a marker 7 mm off a joint makes nine times
-LEFT_SO = "Left so it counts as marker noise and moves what is fitted"
 PARTS = 4  # of a recording, whose scales show how far postures and noise move one
 
 
@@ -104,8 +103,7 @@ def beside_film(found: Shown, stated: Floats, names: Sequence[str], all_marked: 
     """What is said where films show all or one of M - 1 stated distances other than said, or ""."""
     share, one = all_longer(found), one_longer(found)
     if share is not None:
-        more = "longer" if share > 0 else "shorter"
-        what = f"all links are {100 * abs(share):.2g} % {more} in the film than `edge_lengths`: one of the two is off"
+        what = _all(share)
     elif one is not None:
         (k, off), more = one, "longer" if one[1] > 0 else "shorter"
         where = f"from `{names[k]}` to `{names[k + 1]}` (`edge_lengths`: {stated[k]:.4g} m)"
@@ -113,7 +111,20 @@ def beside_film(found: Shown, stated: Floats, names: Sequence[str], all_marked: 
         what += "one of the two is off, or a marker beside its place"
     else:
         return ""
-    return f"{what}. {LEFT_SO}. Correct it{_left_out(all_marked)}"
+    return f"{what}. Left so it counts as marker noise and moves what is fitted. Correct it{_left_out(all_marked)}"
+
+
+def taken_for_scale(share: float) -> str:
+    """What is said where films are laid in the scale in which links are as long as stated."""
+    return (
+        f"{_all(share)}. Taken for the film's scale: if `edge_lengths` are off, so are lengths and speeds here, by as "
+        "much. Correct it"
+    )
+
+
+def _all(share: float) -> str:
+    more = "longer" if share > 0 else "shorter"
+    return f"all links are {100 * abs(share):.2g} % {more} in the film than `edge_lengths`: one of the two is off"
 
 
 def _left_out(all_marked: bool) -> str:
