@@ -42,7 +42,7 @@ def changed(folder: Path, old: str, new: str) -> str:
             r"[medium] anisotropy_ration: unknown key. Did you mean `anisotropy_ratio`?",
         ),
         ("0.1865", "nan", "[medium] anisotropy_ratio: Input should be a finite number"),
-        ("0.1865", "1.7", "must be in (0, 1], got 1.7. Swap tangential and normal"),
+        ("0.1865", "1.7", "must be in (0, 1], got 1.7: it is lengthwise drag over sideways"),
         ("vertices = 12", 'vertices = "twelve"', "[body] vertices"),
         ("vertices = 12", "vertices = 12\nweights = [1.0, 2.0]", "`weights` needs 12 numbers for 12 vertices, got 2"),
         (

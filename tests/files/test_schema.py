@@ -144,7 +144,7 @@ def test_a_body_that_cannot_be_is_refused(section: dict[str, Any], message: str)
 
 @pytest.mark.parametrize(
     ("ratio", "remedy"),
-    [(1.7, r"in \(0, 1\], got 1\.7\. Swap tangential and normal"), (0.0, "small positive"), (-0.1, "small positive")],
+    [(1.7, r"in \(0, 1\], got 1\.7: it is lengthwise drag"), (0.0, "small positive"), (-0.1, "small positive")],
 )
 def test_an_anisotropy_ratio_outside_its_range_is_refused_with_a_remedy(ratio: float, remedy: str) -> None:
     with pytest.raises(InputError, match=remedy):
