@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from serpenoid.effects.catalogue import medium_effects
 from serpenoid.mechanics import vertices
 from serpenoid.mechanics.compile import find_compiler
-from serpenoid.mechanics.extended import coordinate_count, held_for, vertex_functions
+from serpenoid.mechanics.extended import coordinate_count, held_for, vertex_functions, with_links
 from serpenoid.media import LAWS
 
 EVERY = frozenset(kind.name for kind in medium_effects())
@@ -37,31 +38,33 @@ def given(steps: int, elements: int) -> list[np.ndarray]:
 @pytest.mark.parametrize("which", ["balance", "coupled", "sensitivity"])
 def test_many_steps_at_once_are_casadis_own(which: str, law: str, steps: int, elements: int) -> None:
     numbers = given(steps, elements)
-    wide = vertices.over_steps(which, law, EVERY)(*numbers)
+    wide = vertices.over_steps(which, law)(*numbers)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SERPENOID_COMPILE", "0")
         vertices.over_steps.cache_clear()
-        mapped = vertices.over_steps(which, law, EVERY)(*numbers)
+        mapped = vertices.over_steps(which, law)(*numbers)
     vertices.over_steps.cache_clear()
     for a, b in zip(wide, mapped, strict=True):
         size = np.abs(b).max()  # softened signs cancel eleven digits of a part of a sum, which may be larger than that
         np.testing.assert_allclose(a, b, rtol=0, atol=3e-11 * size)
 
 
-@pytest.mark.skipif(not find_compiler(), reason="no C compiler here")
-@pytest.mark.parametrize("name", [None, "grip_saturation", pytest.param("added_mass", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", [None, "grip_saturation", "added_mass"])
 def test_what_is_held_for_few_effects_gives_what_all_give_where_the_others_are_neutral(name: str | None) -> None:
     acting = frozenset({"slope", "load"} if name is None else {"slope", "load", name})
     held = held_for(acting)
     assert acting <= held < EVERY
-    *numbers, theta = given(67, 5)
+    before, after, poses, settings, medium, theta = given(9, 5)
     for kind, at in zip(medium_effects(), starts(), strict=True):
         if kind.name not in acting:
             theta[:, at : at + len(kind.parameters)] = [p.resting for p in kind.parameters]
-    for a, b in zip(
-        *(vertices.over_steps("balance", "viscous", h)(*numbers, theta) for h in (held, EVERY)), strict=True
-    ):
-        np.testing.assert_allclose(a, b, rtol=0, atol=3e-13 * np.abs(b).max())
+    ends = [with_links(ca.DM(x[0].T)) for x in (before, after)]
+    numbers = [[end[:, k] for end in ends] + [poses[0], medium[k], settings[0], theta[k]] for k in range(5)]
+    for which in ("balance", "coupled"):
+        some, every = (vertex_functions("viscous", h)[which].function for h in (held, None))
+        for at_vertex in numbers:
+            for a, b in zip(some(*at_vertex), every(*at_vertex), strict=True):
+                np.testing.assert_allclose(a.full(), b.full(), rtol=0, atol=3e-13 * np.abs(b.full()).max())
 
 
 def test_where_several_costly_effects_act_all_are_held() -> None:

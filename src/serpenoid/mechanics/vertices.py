@@ -62,12 +62,12 @@ BLOCK = 256  # steps of one call of CasADi's maps
 OverSteps = Callable[..., list[Floats]]
 
 
-@lru_cache(maxsize=64)
-def over_steps(which: str, law: str, held: frozenset[str]) -> OverSteps:
+@lru_cache(maxsize=16)
+def over_steps(which: str, law: str) -> OverSteps:
     """One of `extended.vertex_functions` over (before, after (S, M, 4), poses (S, 6), settings (S, 6), medium (M, 2),
     theta (M, P)): its outputs (S, ...), column after column of each step's, summed or vertex by vertex.
     """
-    vertex = vertex_functions(law, held)[which]
+    vertex = vertex_functions(law)[which]
     run = in_c(f"{which}_steps", "over_steps", vertex, _source)
     if run is None:
         return lambda *given: _mapped(which, law, *given)
@@ -175,7 +175,7 @@ def _map(which: str, law: str, elements: int, count: int) -> ca.Function:
 @lru_cache(maxsize=16)
 def _step(which: str, law: str, elements: int) -> Any:
     """One step of a body with `elements` vertices."""
-    vertex = vertex_functions(law, frozenset(kind.name for kind in medium_effects()))[which]
+    vertex = vertex_functions(law)[which]
     before, after = ca.MX.sym("before", 4, elements), ca.MX.sym("after", 4, elements)
     poses, setting = ca.MX.sym("poses", 6), ca.MX.sym("setting", SETTING)
     medium = ca.MX.sym("medium", 2, elements)

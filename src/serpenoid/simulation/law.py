@@ -15,7 +15,6 @@ from serpenoid.body import Floats
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import medium_effects
-from serpenoid.mechanics.extended import held_for
 from serpenoid.mechanics.vertices import over_steps
 from serpenoid.model import Model
 
@@ -128,5 +127,4 @@ def _over_steps(
     """Outputs (S, ...) of a step function."""
     count, m = poses.shape[1], law.medium.shape[1]
     chains = [np.asarray(x.T, float).reshape(count, m, 4) for x in (before, after)]
-    held = held_for(law.acting)
-    return over_steps(which, law.kind, held)(*chains, poses.T, settings.T, law.medium.T, law.theta.T)
+    return over_steps(which, law.kind)(*chains, poses.T, settings.T, law.medium.T, law.theta.T)

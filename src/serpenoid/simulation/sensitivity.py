@@ -292,8 +292,7 @@ class Recorded:
         alone = np.array([c.alone for c in columns], dtype=bool)
         found = np.empty((len(self.steps), 6, len(columns)))
         if not alone.all():
-            law = self.law.asked(c.effect for c in columns)
-            everywhere, somewhere = sensitivities(law, self.steps.before, self.steps.after, poses, self.settings)
+            everywhere, somewhere = sensitivities(self.law, self.steps.before, self.steps.after, poses, self.settings)
             placed, own, row = _rows([c for c in columns if not c.alone])
             by = everywhere[:, :, row]
             by[:, :, placed] = somewhere[:, :, own[placed], row[placed]]
@@ -314,7 +313,7 @@ class Recorded:
             (p,) = (p for p in find(c.effect or "").parameters if p.name == c.parameter)
             step, theta = DIFFERENCE * abs(p.coordinate(p.typical)), self.law.theta.copy()
             theta[rows[c.effect or "", c.parameter], c.place] += step
-            found.append((momenta(replace(self.law.asked([c.effect]), theta=theta)) - now) / step)
+            found.append((momenta(replace(self.law, theta=theta)) - now) / step)
         return np.stack(found, axis=2)
 
 
