@@ -165,10 +165,11 @@ def _windows(law: MediumNumbers, motions: Sequence[_Motion]) -> Iterator[_Found]
     owner = np.repeat(np.arange(len(lengths)), lengths)
 
     def equations(trial: Floats, steps: np.ndarray) -> State:
-        if len(steps) == len(owner):
-            return coupled(law, chain, lengths, first - home, before, trial)
-        some = np.unique(owner[steps])
-        return coupled(law, chain.some(steps), lengths[some], (first - home)[some], before[some], trial)
+        with np.errstate(invalid="ignore"):  # of a trial that leads nowhere, which is refused
+            if len(steps) == len(owner):
+                return coupled(law, chain, lengths, first - home, before, trial)
+            some = np.unique(owner[steps])
+            return coupled(law, chain.some(steps), lengths[some], (first - home)[some], before[some], trial)
 
     x, state = newton(equations, np.concatenate(guesses) - at_home, lengths)
     energy, own = state.more

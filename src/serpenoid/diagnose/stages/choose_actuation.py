@@ -30,6 +30,7 @@ from serpenoid.parallel import in_processes
 
 AT_MOST = 7  # effects; two more than joints where these are many: all servos may be weak
 DISPLACED = "no servo need be the cause"
+ALONE = 3  # candidates that may do nothing by themselves, of a search's step
 AT_REST = 0.1  # of a tick, from one reading to the next
 
 
@@ -165,7 +166,7 @@ def _next(best: Played, tries: Sequence[Attempt]) -> tuple[ActiveEffect, Played]
     """The cheapest candidate, and all with it, fitted again, if it is still worth it: where nothing says when trials
     began, a candidate was tried beside the beginnings that all joints' fits together make, and may do nothing alone."""
     rest, size, count = list(tries), best.priced.parameters, best.priced.count
-    while rest:
+    for _ in range(min(ALONE, len(tries))):
         one_more = [Priced(float(t.chi2.sum()), size + _numbers(t.effect), count) for t in rest]
         found = cheapest(best.priced, one_more, len(tries))
         if found is None:
