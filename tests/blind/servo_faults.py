@@ -32,8 +32,9 @@ from blind.study import Study, commit
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.inference.finding import Named, Stage
+from serpenoid.diagnose.stages.actuation_search import Played
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_actuation import Played, _law_error
+from serpenoid.diagnose.stages.choose_actuation import _law_error
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.stages.plays import Plays

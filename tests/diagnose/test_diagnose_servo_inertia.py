@@ -19,7 +19,8 @@ from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
 from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.stages.actuation_by_joint import attempts, fit_everywhere
-from serpenoid.diagnose.stages.choose_actuation import Played, _one_more, choose_actuation
+from serpenoid.diagnose.stages.actuation_search import Played, one_more
+from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.effects import ActiveEffect, find
 from serpenoid.measure.logs import TICK
@@ -119,7 +120,7 @@ def test_a_fit_that_came_less_far_is_no_reason_for_one_more_number(
         return lagged(time, told, np.full(len(time) - 1, 0.1))
 
     tries = [ActiveEffect.of("servo_lag", lag=0.03), ActiveEffect.of("servo_inertia", lag=0.05, damping=1.0)]
-    new, best = _one_more(Played(plays(logged(recordings, play))), tries, [1e9, 1e6], 1)
+    new, best = one_more(Played(plays(logged(recordings, play))), tries, [1e9, 1e6], 1)
     assert (new.name, [e.name for e in best.effects]) == (name, [name])
 
 

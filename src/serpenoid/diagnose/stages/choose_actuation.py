@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
-from itertools import combinations, pairwise
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,11 +12,11 @@ from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.clocks import pooled
 from serpenoid.diagnose.inference.finding import VISIBLE, Divided, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
-from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained
+from serpenoid.diagnose.inference.prices import earned, most_gained
 from serpenoid.diagnose.stages.actuation_by_joint import Attempt, attempts
-from serpenoid.diagnose.stages.actuation_candidates import shown
 from serpenoid.diagnose.stages.actuation_evidence import needed, slopes_of
-from serpenoid.diagnose.stages.actuation_refit import refined, with_laws
+from serpenoid.diagnose.stages.actuation_refit import refined
+from serpenoid.diagnose.stages.actuation_search import Played, each_its_own, next_one, numbers_of, of_all_anew
 from serpenoid.diagnose.stages.displaced_markers import displaced_marker
 from serpenoid.diagnose.stages.law_by_trial import ByTrial, law_by_trial
 from serpenoid.diagnose.stages.plays import Plays
@@ -30,37 +29,7 @@ from serpenoid.parallel import in_processes
 
 AT_MOST = 7  # effects; two more than joints where these are many: all servos may be weak
 DISPLACED = "no servo need be the cause"
-ALONE = 3  # candidates that may do nothing by themselves, of a search's step
 AT_REST = 0.1  # of a tick, from one reading to the next
-
-
-@dataclass(frozen=True)
-class Played:
-    """Some effects of the servos, fitted beside one another."""
-
-    data: Plays
-    effects: tuple[ActiveEffect, ...] = ()
-
-    @cached_property
-    def angles(self) -> np.ndarray:
-        """What servos would read (R, m)."""
-        return self.data.realised(self.effects)
-
-    @cached_property
-    def priced(self) -> Priced:
-        """See `Explanation`."""
-        numbers = sum(_numbers(e) for e in self.effects)
-        return Priced(float(self.data.chi2(self.angles).sum()), numbers, float(self.data.often.sum()))
-
-    @property
-    def size(self) -> int:
-        """See `Explanation`."""
-        return len(self.effects)
-
-    @property
-    def followed(self) -> bool:
-        """Whether what is left of no joint's readings is visible beside their noise."""
-        return bool(self.data.missed(self.angles).max() < VISIBLE**2)
 
 
 @remembered
@@ -107,15 +76,15 @@ def _chosen(data: Plays) -> tuple[Stage, Played]:
             break
         tries = attempts(data, best.effects)
         singles = singles or tries
-        grown = _next(best, tries)
+        grown = next_one(best, tries)
         if grown is None:
             break
         new, best = grown
         if _strength(data, new) < VISIBLE:
             break
         if new.place is None and not best.followed:  # before what it leaves looks like faults of joints
-            best = _of_all_anew(best)
-    best = _each_its_own(_of_all_anew(Played(data, refined(data, best.effects))))
+            best = of_all_anew(best)
+    best = each_its_own(of_all_anew(Played(data, refined(data, best.effects))))
     best = earned(best, bare, _each_without, lambda found: needed(data, found.effects))
     earlier = best
     best, refused = lawful(best, lambda found: list(found.effects), _law_error, _without)
@@ -162,78 +131,6 @@ def _fewer_moments(best: Played, one: Divided, other: Divided) -> bool:
     return first < second
 
 
-def _next(best: Played, tries: Sequence[Attempt]) -> tuple[ActiveEffect, Played] | None:
-    """The cheapest candidate, and all with it, fitted again, if it is still worth it: where nothing says when trials
-    began, a candidate was tried beside the beginnings that all joints' fits together make, and may do nothing alone."""
-    rest, size, count = list(tries), best.priced.parameters, best.priced.count
-    for _ in range(min(ALONE, len(tries))):
-        one_more = [Priced(float(t.chi2.sum()), size + _numbers(t.effect), count) for t in rest]
-        found = cheapest(best.priced, one_more, len(tries))
-        if found is None:
-            break
-        new, grown = _one_more(best, [t.effect for t in rest], [p.chi2 for p in one_more], found)
-        if cheapest(best.priced, [grown.priced], len(tries)) is not None:
-            return new, grown
-        del rest[found]
-    return None
-
-
-def _one_more(
-    best: Played, tries: Sequence[ActiveEffect], chi2: Sequence[float], found: int
-) -> tuple[ActiveEffect, Played]:
-    """The candidate that was found, and all with it, fitted again; or the best of those of fewer numbers, if that is
-    then cheaper: candidates are fitted roughly, and one that came less far is no reason for one more number."""
-    by_chi2 = sorted(range(len(tries)), key=lambda i: chi2[i], reverse=True)
-    kinds = {_numbers(tries[i]): i for i in by_chi2} | {_numbers(tries[found]): found}
-    chosen = [tries[i] for size, i in sorted(kinds.items()) if size <= _numbers(tries[found])]
-    grown = [Played(best.data, refined(best.data, [*best.effects, new], new)) for new in chosen]
-    cheaper = cheapest(best.priced, [g.priced for g in grown], len(tries)) if len(grown) > 1 else None
-    index = len(grown) - 1 if cheaper is None else cheaper
-    return chosen[index], grown[index]
-
-
-def _of_all_anew(best: Played) -> Played:
-    """With the laws of all servos that do it for least, as long as others do it for less: one law may stand for several
-    of as many numbers together and leave too little to be seen. One number more is asked for where more than chance is
-    left."""
-    while True:
-        sets = _others_of_all(best)
-        grown = [Played(best.data, e) for e in in_processes([(with_laws, (best.data, best.effects, s)) for s in sets])]
-        found = cheapest(best.priced, [g.priced for g in grown], len(grown))
-        if found is None:
-            return best
-        best = grown[found]
-
-
-def _each_its_own(best: Played) -> Played:
-    """With a law of one joint at the only one that lacks it, in the place of one of all with the same numbers, where
-    that does it for less: all begin elsewhere then, which no smaller step does."""
-    for common in [e for e in best.effects if e.place is None]:
-        numbers = [p.name for p in common.effect.parameters]
-        for name in {e.name for e in best.effects if e.place is not None}:
-            own = [e for e in best.effects if e.name == name]
-            free = {j + 1 for j in range(best.data.readings.shape[1])} - {e.place for e in own}
-            if len(free) != 1 or [p.name for p in own[0].effect.parameters] != numbers:
-                continue
-            every = [*own, ActiveEffect.neutral(name, free.pop()).with_coordinates(np.zeros(len(numbers)))]
-            moved = [e.with_coordinates(np.add(e.coordinates, common.coordinates)) for e in every]
-            kept = [e for e in best.effects if e.name != name and e is not common]
-            other = Played(best.data, refined(best.data, [*kept, *moved]))
-            best = other if cheapest(best.priced, [other.priced], 1) is not None else best
-    return best
-
-
-def _others_of_all(best: Played) -> list[tuple[str, ...]]:
-    """Sets of laws without a place, by name, of no more numbers than those that were found, which lack one of them at
-    most; a set with no other law in it is left to `earned`."""
-    own = {e.name for e in best.effects if e.place is None}
-    numbers = {k.name: len(k.parameters) for k in shown(best.data) if k.place is None}
-    size = sum(numbers.get(name, 0) for name in own)
-    most = size + bool(best.data.structure(best.angles).max() > 0)
-    sets = (s for count in range(1, most + 1) for s in combinations(numbers, count)) if size else ()
-    return [s for s in sets if not own >= set(s) and len(own - set(s)) <= 1 and sum(numbers[n] for n in s) <= most]
-
-
 def _unlike(best: Played, joint: int, left: float) -> str:
     """That a joint (0 .. m - 1) is so many times the noise from what it is told, or what shows it so."""
     recordings = best.data.recordings
@@ -275,8 +172,8 @@ def _rivals(best: Played, effect: ActiveEffect, singles: list[Attempt]) -> list[
     """
     data, least, keys = best.data, best.priced, {e.key for e in best.effects}
     kept = [e for e in best.effects if e is not effect]
-    tries = [t for t in (attempts(data, kept) if kept else singles) if _numbers(t.effect) <= _numbers(effect)]
-    band = most_gained(_numbers(effect), len(tries))
+    tries = [t for t in (attempts(data, kept) if kept else singles) if numbers_of(t.effect) <= numbers_of(effect)]
+    band = most_gained(numbers_of(effect), len(tries))
     roughly = min(float(t.chi2.sum()) for t in tries)  # each with the shifts in time of all joints' fits together
     close = [t.effect for t in tries if not excludable(float(t.chi2.sum()), roughly, least.count, band)]
     found = []
@@ -344,10 +241,6 @@ def _may_be_any(best: Played, effect: ActiveEffect) -> bool:
     leave more than chance of most joints."""
     several = effect.place is None and sum(e.place is None for e in best.effects) > 1
     return several and bool(np.median(best.data.structure(best.angles)) > 0)
-
-
-def _numbers(effect: ActiveEffect) -> int:
-    return len(effect.effect.parameters)
 
 
 def _rate_sd(data: Plays) -> float:
