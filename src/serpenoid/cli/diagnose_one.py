@@ -54,12 +54,12 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Read]) 
     wanted = [*([args.reference] if args.reference is not None else []), campaign]
     known = [load_campaign_file(c)[0] for c in wanted]
     sizes = [len(file.trial) for file in known]
-    if args.reference is not None and not known[1].tracked_only:
+    if args.reference is not None and not known[-1].tracked_only:
         check_reference(args.reference, known[0])
     model = content_of(*([Path(args.model)] if args.model else []))
     reference = content_of_campaign(args.reference) if args.reference is not None else None
     folder = campaigns.folder(args, campaign, "diagnosis", reference, model, sorted(args.without))
-    kind = "animal" if load_campaign_file(campaign)[0].tracked_only else "robot"
+    kind = "animal" if known[-1].tracked_only else "robot"
     work = Work(kind, sizes, not args.no_figures)
     with options.progress_bar(args, "diagnosing", 1.0, work.left) as advance, Beside(prepare) as artist:
         work.tell = advance

@@ -23,7 +23,7 @@ from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_f
 from serpenoid.measure.clock import Offset
 from serpenoid.measure.consistency.claims import Reader, read_believed
 from serpenoid.measure.consistency.films import films_of
-from serpenoid.measure.consistency.lengths import taken_for_scale
+from serpenoid.measure.consistency.lengths import all_longer, taken_for_scale
 from serpenoid.measure.consistency.unplayed import as_filmed
 from serpenoid.measure.film_scale import film_scale
 from serpenoid.measure.links import marker_angles
@@ -76,10 +76,12 @@ def _scaled(
 ) -> tuple[Sequence[Files], Mapping[str, tuple[Remark, ...]]]:
     """Films of robots without servo logs in the scale in which links are as long as stated, and that said: shapes are
     what markers show, and chains of other lengths would bend otherwise. With a log it is found as an effect."""
+    if not any(r.kind == "scale" for own in said.values() for r in own):
+        return read, said
     if any(f.servo_log is not None and not f.servo_log.repeats_commands for f in read):
         return read, said
     films = films_of(file, file.body, read)
-    share = films.scale if films is not None else None
+    share = None if films is None else all_longer(films.shown[0])
     if films is None or share is None:
         return read, said
     as_stated = [

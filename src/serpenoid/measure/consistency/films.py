@@ -66,11 +66,6 @@ class Films:
             return dict.fromkeys(self.trials, _by_place(scales))
         return {t: _another(s, scales) for t, s in zip(self.trials, scales, strict=True) if abs(s) > little}
 
-    @property
-    def scale(self) -> float | None:
-        """By which share all links are longer in all films than stated, if that is what is said."""
-        return all_longer(self.shown[0]) if any(r.kind == "scale" for r in self.said.values()) else None
-
     def _by_direction(self) -> Directed:
         """What links that turn within films show, of edges that all of them show."""
         known = self._known
