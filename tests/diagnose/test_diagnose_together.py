@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from serpenoid.diagnose.report.together import in_common, titles, together
+from serpenoid.diagnose.report.together import in_common, title_of, titles, together
 
 
 def weak(joint: int, value: float, half: float = 0.004, stand_in: bool = False) -> dict[str, Any]:
@@ -25,6 +25,7 @@ def test_three_weak_servos_are_told_together_and_two_apart() -> None:
     lag = weak(5, 0.05) | {"name": "lagging_joint"}
     three = record(weak(4, 0.095), lag, weak(2, 0.096), weak(3, 0.094))
     assert [[e["place"] for e in group] for group in together(three)] == [[2, 3, 4], [5]]
+    assert [title_of(group) for group in together(three)] == ["gain_loss at joints 2 to 4", "lagging_joint at joint 5"]
     assert titles(together(three)[0]) == "gain_loss at joints 2 to 4 (2.2 to 2.4 times the noise)"
     assert [len(group) for group in together(record(weak(4, 0.095), lag, weak(2, 0.096)))] == [1, 1, 1]
 

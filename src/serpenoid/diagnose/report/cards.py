@@ -15,7 +15,7 @@ from serpenoid.diagnose.report.sentences import (
     undetected,
     unreliable,
 )
-from serpenoid.diagnose.report.together import in_common, titles, together
+from serpenoid.diagnose.report.together import in_common, title_of, titles, together
 from serpenoid.diagnose.report.words import (
     STAND_IN,
     Record,
@@ -80,7 +80,7 @@ def _cause(record: Record) -> Card:
         said.append(f"{what.capitalize()} across over {what} along the body, K = 1 / eps: {drag_ratio(record)}.")
     elif not effects:
         said.append(f"The anisotropy ratio was calibrated to {record['anisotropy_ratio']['after']:.4g}.")
-    answer = few([title(e) for e in (*effects, *(e for e in record["effects"] if e not in effects))])
+    answer = few([*map(title_of, several), *(title(e) for e in record["effects"] if e not in effects)])
     return Card("Cause and place", answer or "none named", said, rows)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from serpenoid.diagnose.report.sentences import instead
-from serpenoid.diagnose.report.words import Record, foremost, multiple, own_place, shown, times
+from serpenoid.diagnose.report.words import Record, foremost, multiple, own_place, shown, times, title
 from serpenoid.effects.catalogue import find
 from serpenoid.wording import listed
 
@@ -37,16 +37,23 @@ def _plain(effect: Record, record: Record) -> bool:
     return not alone and effect.get("place") is not None and len(effect["parameters"]) == 1
 
 
-def titles(group: list[Record]) -> str:
-    """Name and places of several, and how strong they are."""
-    name, strengths = group[0]["name"], [e["strength_over_noise"] for e in group]
+def title_of(group: list[Record]) -> str:
+    """Name and places, as `gain_loss at joints 1 to 3`."""
+    if len(group) == 1:
+        return title(group[0])
+    name, places = group[0]["name"], [e["place"] for e in group]
     kind = {"vertex": "vertices", "joint": "joints"}[str(find(name).place)]
-    least, most = min(strengths), max(strengths)
-    size = times(most) if multiple(least) == multiple(most) else f"{multiple(least)} to {times(most)}"
-    places = [e["place"] for e in group]
     in_a_row = places == list(range(places[0], places[-1] + 1))
     which = f"{places[0]} to {places[-1]}" if in_a_row else listed([str(p) for p in places])
-    return f"{name} at {kind} {which} ({size})"
+    return f"{name} at {kind} {which}"
+
+
+def titles(group: list[Record]) -> str:
+    """Name and places of several, and how strong they are."""
+    strengths = [e["strength_over_noise"] for e in group]
+    least, most = min(strengths), max(strengths)
+    size = times(most) if multiple(least) == multiple(most) else f"{multiple(least)} to {times(most)}"
+    return f"{title_of(group)} ({size})"
 
 
 def in_common(group: list[Record]) -> str:
