@@ -95,7 +95,8 @@ class Reference(Baseline):
     """seen: the earlier observation model, squares: what it left (see `Stage`); explained: the earlier motion, by the
     baseline's model and then by rivals; servos: the earlier readings and what explains them. others: effects that were
     there before, beside the motion's. missed_m: what repeats shared and nothing accounted for, RMS of a window [m].
-    named: what the earlier motion was found to show; again: what its repeats tell; interval: of its eps.
+    named: what the earlier motion was found to show; again: what its repeats tell; interval: of its eps. tracks: the
+    earlier trials.
     usual, largest (3,) [m, m, rad]: RMS error of a window while playing, largest difference between two repeats'.
     """
 
@@ -109,6 +110,7 @@ class Reference(Baseline):
     named: tuple[Named, ...] = ()
     again: Repeated = Repeated()
     interval: tuple[float, float] = (0.0, np.inf)
+    tracks: tuple[Track, ...] = ()
 
     @property
     def earlier(self) -> Repeated:
@@ -288,7 +290,7 @@ def reference_of(d: Diagnosis) -> Reference:
     return Reference(
         model, d.seen, tuple(explained), usual, largest, servos, wrong, d.stages[1].squares,
         d.motion.stage.named, repeated(motion, found.settled.predictions), ratio_interval(found, d.motion.stage),
-        others=others, without=d.baseline.without,
+        motion.tracks, others=others, without=d.baseline.without,
     )  # fmt: skip
 
 

@@ -15,12 +15,14 @@ from matplotlib.ticker import MaxNLocator
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.used import length_unit
 from serpenoid.diagnose.residuals.maps import on_floor, windows
+from serpenoid.diagnose.since_reference import since_reference
 from serpenoid.group import accumulate, relative
 from serpenoid.parallel import in_processes, limited
 from serpenoid.plot import diagnosis_ladder, diagnosis_maps, diagnosis_ranking, diagnosis_trials
 from serpenoid.plot.both import save
 from serpenoid.plot.joints import joint_angles, joint_bar
 from serpenoid.plot.room import settle
+from serpenoid.plot.since_reference import since_reference_figure
 from serpenoid.plot.style import BLUE, INK, NORMAL, ORANGE, SMALL, Colour, dress, figure, fill_equal, in_turn
 
 if TYPE_CHECKING:
@@ -66,6 +68,9 @@ def draw_motion(folder: Path, found: Selection) -> list[str]:
 def draw_rest(folder: Path, d: Diagnosis) -> list[str]:
     """All other figures of a diagnosis."""
     jobs: Jobs = {"paths": lambda: paths_figure(d), "ladder": lambda: diagnosis_ladder.ladder_figure(d.ladder)}
+    since = since_reference(d)
+    if since is not None and since["joints_rad"]:
+        jobs["since-reference"] = lambda: since_reference_figure(since)
     return _draw(folder, jobs)
 
 

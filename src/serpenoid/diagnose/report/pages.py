@@ -51,10 +51,13 @@ CAPTIONS = {
     "ranking": "Candidates in the stage of motion, beside the anisotropy ratio alone; dark: named, dashed: what is "
     "needed. Wrong candidates can gain much by standing in for the right one, so the best are fitted in full and "
     "compared again; where one was chosen for a while and is not named, the reason is written there.",
+    "since-reference": "Without any model: by how much joint angles and paths of the same gaits differ from the "
+    "reference's, each path from its own first pose. Dashed: what repeats within either campaign differ by.",
     "next-experiment": "Its joint angles.",
 }
 FIGURES = {
-    "paths": ("paths",), "ladder": ("ladder",), "ranking": ("ranking",), "shape": ("joints", "markers"),
+    "paths": ("paths",), "ladder": ("ladder",), "since": ("since-reference",), "ranking": ("ranking",),
+    "shape": ("joints", "markers"),
     "motion": ("residuals", "residuals-left", "residuals-in-time", "along-body", "on-floor"),
     "experiment": ("next-experiment",),
 }  # fmt: skip

@@ -31,6 +31,7 @@ UNSAID = (
 )
 WHOLE = "; joint table to path, not judged"
 GROWS = "; it grows: errors of the servos and of the medium had cancelled"
+DOUBT = "how far any change may move what the reference's model of the servos missed"
 SHOWN = 1.15  # times the noise: what reads more than 1.1
 WITHIN = "; in so few windows noise may make as much; what repeats share of it is no more than noise"
 ALIKE = 0.005  # of eps: what reads alike
@@ -190,11 +191,36 @@ def reference(record: Record) -> list[str]:
     causes, stand_ins = ([title(e) for e in earlier["effects"] if e["stand_in"] == kind] for kind in (False, True))
     said = [f"{earlier['campaign']} was {earlier['verdict']}" + (f": {few(causes)}" if causes else "")]
     said += [f"perhaps stand-ins: {few(stand_ins)}"] if stand_ins else []
+    said += since(record)
     said += _otherwise(record)
     said += rival_law(earlier)
     again = [e for e in earlier["effects"] if _key(e) in map(_key, record["effects"])]
     said += [text for e in again for text in _there_already(e)]
     return said + _there_in_part(record)
+
+
+def since(record: Record) -> list[str]:
+    """By how much joint angles and paths of the same gaits are otherwise than then, and repeats than each other."""
+    found = record.get("since_reference")  # not in older answers
+    if not found or found["path_m"] is None:
+        return []
+    unit = record["length_unit"]
+    most = max(found["gaits"], key=lambda g: g["path_m"] or 0.0)
+    of_one = f", most in `{most['gait']}`: {shown(most['path_m'], unit)}" if len(found["gaits"]) > 1 else ""
+    size = shown(found["path_m"], unit) + _repeats(found["repeats_m"], unit)
+    said = [f"without any model, paths differ from it by {size}{of_one}"]
+    if not (turned := found["joints_rad"]):
+        return said
+    joint = turned.index(max(turned))
+    chance = (found["joints_repeats_rad"] or [None] * len(turned))[joint]
+    others = turned[:joint] + turned[joint + 1 :]
+    beside = f"; the other joints by up to {shown(max(others), 'rad')}" if others else ""
+    return [*said, f"joint {joint + 1} by {shown(turned[joint], 'rad')}{_repeats(chance, 'rad')}{beside}"]
+
+
+def _repeats(size: float | None, unit: str) -> str:
+    """What repeats differ by."""
+    return " (no setting was played twice)" if size is None else f" (repeats by {shown(size, unit)})"
 
 
 def already(record: Record) -> list[str]:
@@ -444,7 +470,9 @@ def stage_line(s: Record) -> str:
     beside = f" ({times(s['after'] / s['noise_level'])})" if s["noise_level"] > 0 else ""
     grows = GROWS if s["after"] > hypot(s["before"], s["noise_level"]) else ""
     whole = WHOLE + grows if s["stage"] == "whole" else ""
-    return f"{before} -> {after}, noise level {noise}{beside}{whole}"
+    doubt = s.get("doubt", 0.0)  # not in older answers
+    mostly = f", of which {shown(doubt, s['unit'])} is {DOUBT}" if 2 * doubt**2 > s["noise_level"] ** 2 else ""
+    return f"{before} -> {after}, noise level {noise}{mostly}{beside}{whole}"
 
 
 def left(record: Record) -> list[str]:

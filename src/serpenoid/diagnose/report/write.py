@@ -12,6 +12,7 @@ from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
 from serpenoid.diagnose.diagnose import Diagnosis, plain, record
 from serpenoid.diagnose.reference import summary
+from serpenoid.diagnose.since_reference import since_reference
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import of_laws
 from serpenoid.files.writing import provenance, write_json
@@ -38,7 +39,7 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, A
     reference: what the earlier campaign showed.
     """
     data = record(d) | {"campaign": file.name, "source": file.source, "provenance": provenance()}
-    data |= {"kind": file.body.kind, "reference": reference}
+    data |= {"kind": file.body.kind, "reference": reference, "since_reference": since_reference(d)}
     before = d.motion.selection.null.model
     known = {e.key: e for e in (*d.baseline.known, *before.effects)}
     notes = [role(e, data["effects"], known) for e in d.model.effects]

@@ -34,13 +34,15 @@ from serpenoid.diagnose.stages.whole import whole_errors
 
 @dataclass(frozen=True)
 class Error:
-    """RMS of a misfit before and after the named effects, and its noise level, all in `unit`."""
+    """RMS of a misfit before and after the named effects, and its noise level, all in `unit`; doubt: what of the noise
+    level is no noise, but how far any change may move what a reference's servos missed."""
 
     name: str
     unit: str
     before: float
     after: float
     noise_level: float
+    doubt: float = 0.0
 
     def share_above(self, error: float) -> float:
         """Share of a mean square error that noise does not explain."""
@@ -50,7 +52,7 @@ class Error:
         """As it stands in diagnosis.json."""
         return {
             "name": self.name, "unit": self.unit, "before": self.before, "after": self.after,
-            "noise_level": self.noise_level,
+            "noise_level": self.noise_level, "doubt": self.doubt,
             "share_above_noise_before": self.share_above(self.before),
             "share_above_noise_after": self.share_above(self.after),
         }  # fmt: skip
@@ -99,11 +101,12 @@ def motion_steps(
 def actuation_step(data: Plays, stage: Stage) -> Step:
     """Joint by joint [rad]."""
     sizes = [data.channels(data.realised(effects)) * data.noise for effects in ([], [n.effect for n in stage.named])]
+    doubt = np.broadcast_to(data.unsure, data.held_against.shape)
     parts = [
-        Error(f"joint {j + 1}", "rad", float(a), float(b), float(data.held_against[j]))
+        Error(f"joint {j + 1}", "rad", float(a), float(b), float(data.held_against[j]), float(doubt[j]))
         for j, (a, b) in enumerate(zip(*sizes, strict=True))
     ]
-    whole = Error("actuation", "rad", total(list(sizes[0])), total(list(sizes[1])), total(data.held_against))
+    whole = Error("actuation", "rad", *(total(each) for each in (*sizes, data.held_against, doubt)))
     return Step("commanded against realised shape", whole, tuple(parts))
 
 

@@ -1,0 +1,121 @@
+"""What is otherwise than in the reference, without any model: joint angles and paths of the same gaits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from blind.campaign import COMBINATIONS, make
+from blind.folder import write
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.data.windows import Track
+from serpenoid.diagnose.report.sentences import since
+from serpenoid.diagnose.since_reference import apart
+from serpenoid.diagnose.start import baseline
+from serpenoid.group import compose
+
+AWAY = np.array([0.4, -0.3, 1.1])  # another place and heading
+BENT, ALONG_M = 0.07, 0.012
+
+
+@pytest.fixture(scope="module")
+def tracks(tmp_path_factory: pytest.TempPathFactory) -> tuple[Track, ...]:
+    """Two gaits, each twice."""
+    folder = tmp_path_factory.mktemp("since")
+    write(make(64, [], combinations=COMBINATIONS[:2]), folder)
+    file, recordings = read_recordings(folder)
+    return make_tracks(recordings, Observation.neutral(file.body), baseline(None, file, file.body))
+
+
+def laid(track: Track, poses: Floats) -> Track:
+    return replace(track, measured=poses)
+
+
+def bent(track: Track, joint: int) -> Track:
+    """Its servos read more of a joint."""
+    own = track.recording
+    assert isinstance(own, Recording)
+    more = np.zeros(own.body.joint_count)
+    more[joint - 1] = BENT
+    return replace(track, recording=replace(own, position=own.position + more))
+
+
+def once(tracks: Sequence[Track]) -> list[Track]:
+    """The first trial of each setting."""
+    return list({t.recording.setting: t for t in reversed(tracks)}.values())
+
+
+def test_the_same_trials_laid_elsewhere_are_not_apart(tracks: tuple[Track, ...]) -> None:
+    then = once(tracks)
+    found = apart([laid(t, compose(AWAY, t.measured)) for t in then], then)
+    assert found is not None
+    np.testing.assert_allclose(found["path_m"], 0, atol=1e-12)
+    np.testing.assert_allclose(found["joints_rad"], 0, atol=1e-12)
+    assert found["repeats_m"] is None
+    assert found["joints_repeats_rad"] is None
+
+
+def test_a_joint_that_reads_more_and_a_path_that_drifts_are_told_by_how_much(tracks: tuple[Track, ...]) -> None:
+    """The path of one gait runs ahead evenly from 0 to ALONG_M in the frame of its first pose."""
+    first, second = once(tracks)
+    seen = np.isfinite(first.measured[:, 0])
+    ahead = np.zeros_like(first.measured)
+    ahead[seen, 0] = np.linspace(0, ALONG_M, seen.sum())
+    start = first.measured[seen][0]
+    c, s = np.cos(start[2]), np.sin(start[2])
+    drifted = first.measured + np.stack([c * ahead[:, 0], s * ahead[:, 0], 0 * ahead[:, 0]], axis=1)
+    found = apart([bent(laid(first, drifted), 3), bent(second, 3)], [first, second])
+    assert found is not None
+    steps = np.linspace(0, ALONG_M, seen.sum())[1:]
+    gaits = {g["gait"]: g["path_m"] for g in found["gaits"]}
+    np.testing.assert_allclose(gaits[first.recording.gait], np.sqrt((steps**2).mean()), rtol=1e-9)
+    np.testing.assert_allclose(gaits[second.recording.gait], 0, atol=1e-12)
+    expected = np.zeros(len(found["joints_rad"]))
+    expected[2] = BENT
+    np.testing.assert_allclose(found["joints_rad"], expected, atol=2e-3)
+
+
+def test_repeats_of_either_campaign_tell_what_chance_makes(tracks: tuple[Track, ...]) -> None:
+    """One pair of a setting then, none now: the pair of then alone."""
+    found, alone = apart(once(tracks), tracks), apart(tracks, once(tracks))
+    assert found is not None
+    assert alone is not None
+    assert found["repeats_m"] == alone["repeats_m"] > 0
+    assert found["joints_repeats_rad"] == alone["joints_repeats_rad"]
+
+
+def test_other_gaits_are_not_compared(tracks: tuple[Track, ...]) -> None:
+    one, other = once(tracks)
+    assert apart([one], [other]) is None
+    assert since({"since_reference": None, "length_unit": "m"}) == []
+
+
+def test_the_summary_says_what_differs_most(tracks: tuple[Track, ...]) -> None:
+    first, second = once(tracks)
+    found = apart([bent(first, 3), bent(second, 3)], tracks)
+    paths, joints = since({"since_reference": found, "length_unit": "m"})
+    assert paths.startswith("without any model, paths differ from it by ")
+    assert "(repeats by " in paths
+    assert joints.startswith("joint 3 by 4.0")
+    assert since({"length_unit": "m"}) == []  # an older answer
+
+
+def test_the_figure_shows_every_joint_and_setting(tracks: tuple[Track, ...]) -> None:
+    from serpenoid.plot.since_reference import since_reference_figure
+
+    found = apart(tracks, tracks)
+    assert found is not None
+    joints, paths = since_reference_figure(found).axes
+    assert len(joints.patches) == 10
+    assert len(paths.patches) == 2
+    assert [h.get_height() for h in joints.patches] == pytest.approx(np.rad2deg(found["joints_rad"]))
+    lone = apart(once(tracks), once(tracks))
+    assert lone is not None
+    assert not since_reference_figure(lone).axes[1].collections  # nothing was played twice
