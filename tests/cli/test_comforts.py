@@ -106,6 +106,23 @@ def test_a_file_that_is_no_log_is_not_written_on(tmp_path: Path, capsys: pytest.
     assert other.read_text() == "[body]\n"
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes with names")
+def test_a_pipe_that_nobody_reads_is_refused_and_one_that_is_read_has_the_whole_log(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pipe, kept = tmp_path / "pipe", tmp_path / "kept"
+    os.mkfifo(pipe)
+    assert main(["simulate", "missing.toml", "--log-file", str(pipe)]) == 2
+    assert "is a pipe that nobody reads" in capsys.readouterr().err
+    with kept.open("w") as to, subprocess.Popen(["cat", str(pipe)], stdout=to) as reader:
+        while main(["simulate", "missing.toml", "--log-file", str(pipe)]) == 2 and not kept.stat().st_size:
+            pass  # the reader has yet to open it
+        assert reader.wait(10) == 0
+    lines = kept.read_text(encoding="utf-8").splitlines()
+    assert "command: serpenoid simulate" in lines[1]
+    assert lines[-1].endswith("exit code 2")
+
+
 def test_a_log_may_be_in_the_folder_that_results_have_by_themselves(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

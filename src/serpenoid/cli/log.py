@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import logging
 import os
 import platform
 import re
 import shlex
 import sys
-from collections.abc import Iterable, Sequence
-from contextlib import ExitStack, suppress
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from serpenoid.errors import InputError
@@ -121,11 +122,30 @@ def _handler(path: Path, folders: Iterable[Path]) -> logging.Handler:
         raise InputError(f"--log-file {path}: is there and no log of ours. Name another file.")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handler = _LogFile(path, encoding="utf-8")
+        with _reader_of(path):
+            handler = _LogFile(path, encoding="utf-8")
     except OSError as error:
         raise InputError(f"--log-file {path}: cannot be written ({error.strerror}).") from None
     handler.setFormatter(logging.Formatter(LINE))
     return handler
+
+
+@contextmanager
+def _reader_of(path: Path) -> Iterator[None]:
+    """A pipe is opened without waiting first, for ever if nobody reads it; one that is closed again has ended."""
+    if not path.is_fifo():
+        yield
+        return
+    try:
+        begun = os.open(path, os.O_WRONLY | os.O_NONBLOCK)
+    except OSError as error:
+        if error.errno != errno.ENXIO:
+            raise
+        raise InputError(f"--log-file {path}: is a pipe that nobody reads. Start its reader first.") from None
+    try:
+        yield
+    finally:
+        os.close(begun)
 
 
 def _begins_as_log(path: Path) -> bool:
