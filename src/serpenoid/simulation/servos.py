@@ -68,12 +68,18 @@ def late_by(theta: Floats) -> float:
 def asked_earlier(setpoints: Floats, times: Floats, late: float) -> tuple[Floats, Floats, NDArray[np.int64]]:
     """Set-points (K, m) on a finer mesh (K,) [s], and the nodes (R,) at which servos do what they do so much later [s]
     at `times` (R,): their laws do not know the time, and they begin at rest."""
-    earlier = np.maximum(times - late, times[0])
-    mesh = np.union1d(times, earlier)
-    row = np.clip(np.searchsorted(times, mesh, side="right") - 1, 0, len(times) - 2)
-    share = (mesh - times[row]) / (times[row + 1] - times[row])
-    told = setpoints[row] + share[:, None] * (setpoints[row + 1] - setpoints[row])
-    return told, mesh, np.searchsorted(mesh, earlier)
+    count, earlier = len(times), np.maximum(times - late, times[0])
+    every = np.concatenate([earlier, times])
+    order = np.argsort(every, kind="stable")  # which merges what is sorted already
+    every = every[order]
+    new = np.append(True, every[1:] > every[:-1])
+    mesh, last = every[new], np.append(new[1:], True)
+    row = np.minimum(np.cumsum(order >= count)[last] - 1, count - 2)
+    told, following = setpoints.take(row, axis=0), setpoints.take(row + 1, axis=0)
+    told += ((mesh - times[row]) / (times[row + 1] - times[row]))[:, None] * (following - told)
+    at = np.empty(len(every), dtype=np.int64)
+    at[order] = np.cumsum(new) - 1
+    return told, mesh, at[:count]
 
 
 def asked_rows(table: Floats, rows: float) -> Floats:
