@@ -141,7 +141,7 @@ FAULTS = {
 }
 
 
-# no answer, late ones, a servo that starts anew, no port; what protects itself: below; low batteries: test_servo_models.py
+# no answer, late ones, a servo that starts anew, no port; protecting itself: below; low battery: test_servo_models.py
 QUICK = {"silent:4@1.0", "delay:3@1.0=0.05", "reset:4@1.0", "unplug@1.0=0.3"}
 
 
