@@ -545,6 +545,44 @@ def test_a_robots_trial_is_not_its_film_alone(played: Path, capsys: pytest.Captu
     )
 
 
+def test_a_table_that_another_controller_played_becomes_a_trial_and_its_repeat(
+    played: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    camp, film = played / "camp", played / "take.csv"
+    table = played / "trials" / "wave-1" / "joint_table.csv"
+    gait = played / "gait"
+    gait.mkdir()
+    shutil.copy(table, gait)
+    words = ["campaign", "add", str(camp), str(gait), str(film), "--format", "tidy", "--cycles", "2", "--pause", "1"]
+    assert main(words) == 2
+    assert "does not say how it was played. Give --cycle-duration" in capsys.readouterr().err
+    assert not (camp / "take").exists()
+    assert main([*words, "--cycle-duration", "3"]) == 0
+    assert (
+        main([*words, "--cycle-duration", "3", "--name", "again", "--servo-log", str(table.with_name("servo.csv"))])
+        == 0
+    )
+    first, again = load_campaign_file(camp)[0].trial
+    assert (first.name, first.gait, again.gait) == ("take", "take", "take")
+    assert (first.cycles, first.pause_s, first.cycle_duration_s) == (2, 1.0, 3.0)
+    assert (first.servo_log, again.servo_log) == (None, "again/servo.csv")
+    np.testing.assert_array_equal(read_table(camp / "again" / "joint_table.csv"), read_table(table))
+
+
+def test_schedules_beside_what_play_recorded_or_beside_nothing_are_refused(
+    played: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    camp, log, film = (str(played / name) for name in ("camp", "trials/wave-1", "take.csv"))
+    assert main(["campaign", "add", camp, log, film, "--cycles", "2"]) == 2
+    assert "play.json says how it was played. Leave out --cycles" in capsys.readouterr().err
+    table = played / "mine.csv"
+    shutil.copy(played / "trials" / "wave-1" / "joint_table.csv", table)
+    assert main(["campaign", "add", camp, str(table), film]) == 2
+    assert "of a joint table that another controller played say --cycles" in capsys.readouterr().err
+    assert main(["campaign", "add", camp, str(played / "none.csv"), film, "--cycles", "2"]) == 2
+    assert "no such joint table" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("kind", ["long", "tidy", "c3d"])
 def test_a_new_campaign_of_any_format_is_read_and_says_which_keys_the_format_needs(tmp_path: Path, kind: str) -> None:
     new("campaign", tmp_path / "camp", "--format", kind)
