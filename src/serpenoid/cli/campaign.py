@@ -5,7 +5,7 @@
     serpenoid campaign add my-campaign trials/gait01-1 ~/Motive/take-17.csv
     serpenoid measure my-campaign
 
-    serpenoid export RESULTS --format angles --signs=-1 --out gait           # for a controller of your own, which plays it
+    serpenoid export RESULTS --format angles --signs=-1 --out gait    # for a controller of your own
     serpenoid campaign add my-campaign gait film-1.csv --cycles 3 --pause 1
 
     serpenoid new campaign my-worm --film worm-1.csv --format sleap --frames-per-second 30
