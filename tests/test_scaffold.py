@@ -480,6 +480,17 @@ def test_films_of_an_animal_become_a_campaign_by_two_commands(worm: Path, capsys
     assert "has a trial `worm-2` already" in capsys.readouterr().err
 
 
+def test_an_end_that_the_names_of_the_points_contradict_is_refused(worm: Path, capsys: pytest.CaptureFixture) -> None:
+    film = worm / "worm-1.csv"
+    film.write_text(film.read_text().replace("nose", "Snout").replace("tip", "Tail_tip"))
+    words = ["new", "campaign", "c", "--yes", "--film", "worm-1.csv", "--format", "deeplabcut"]
+    assert main(words) == 2
+    said = "the first point of the film is `Snout` and the last `Tail_tip`. Give --first-point head."
+    assert said in capsys.readouterr().err
+    assert main([*words, "--first-point", "head"]) == 0
+    assert load_campaign_file(worm / "c")[0].motion.markers[0] == "Tail_tip"
+
+
 @pytest.mark.parametrize(
     ("header", "extra", "told"),
     [
