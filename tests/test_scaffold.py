@@ -549,6 +549,16 @@ def test_a_film_that_cannot_be_read_makes_no_campaign(worm: Path, words: list[st
     assert not (worm / "c").exists()
 
 
+def test_a_new_campaign_of_a_robot_with_wheels_amid_its_links_has_markers_at_joints_and_ends(tmp_path: Path) -> None:
+    problem = new("problem", tmp_path / "mine.toml", "--joints", "3", "--wheels", "middles")
+    new("campaign", tmp_path / "camp", "--problem", str(problem), "--format", "deeplabcut")
+    campaign = load_campaign(tmp_path / "camp")
+    motion = campaign.file.motion
+    assert (campaign.body.vertices, motion.vertices) == (9, (0, 2, 4, 6, 8))
+    assert motion.markers == ("Robot:tail", "Robot:joint_1", "Robot:joint_2", "Robot:joint_3", "Robot:head")
+    assert campaign.trials[0].motion is not None
+
+
 def test_a_robots_trial_is_not_its_film_alone(played: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["campaign", "add", str(played / "camp"), str(played / "take.csv")]) == 2
     assert "LOG is missing: a robot's trial is what `serpenoid play --log` recorded, and its film." in (
