@@ -248,6 +248,17 @@ def test_an_animal_has_no_servos_and_no_limit_of_theirs(tmp_path: Path) -> None:
     assert load(new("problem", tmp_path / "snake.toml")).body.joint_speed_limit_rpm == 57.0
 
 
+def test_how_fast_servos_turn_is_asked_and_what_is_assumed_of_them_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    assert load(new("problem", tmp_path / "p.toml", "--speed-limit", "40")).body.joint_speed_limit_rpm == 40.0
+    assert "--speed-limit" not in capsys.readouterr().out
+    new("problem", tmp_path / "q.toml")
+    assert "--speed-limit 57" in capsys.readouterr().out
+    worm = new("problem", tmp_path / "worm.toml", "--kind", "crawler", "--speed-limit", "40")
+    assert load(worm).body.joint_speed_limit_rpm == 40.0
+
+
 @pytest.mark.parametrize(("kind", "ratio"), [("crawler", 0.2), ("swimmer", 0.5)])
 def test_an_animal_is_a_smooth_body_of_which_nothing_is_made_up(
     tmp_path: Path, kind: str, ratio: float, capsys: pytest.CaptureFixture
@@ -305,7 +316,7 @@ def test_questions_are_asked_on_a_terminal_and_asked_again_after_a_wrong_answer(
     words = [sys.executable, "-m", "serpenoid", "new", "problem", str(tmp_path / "mine.toml")]
     process = subprocess.Popen(words, stdin=slave, stderr=slave, stdout=subprocess.PIPE, text=True)
     os.close(slave)
-    os.write(master, b"\nmany\n4\n\n0.5\n\n\n\n\n\n\n")
+    os.write(master, b"\nmany\n4\n\n0.5\n\n\n\n\n\n\n\n")
     out, _ = process.communicate(timeout=60)
     said = os.read(master, 65536).decode()
     os.close(master)
