@@ -611,8 +611,18 @@ def test_schedules_beside_what_play_recorded_or_beside_nothing_are_refused(
     shutil.copy(played / "trials" / "wave-1" / "joint_table.csv", table)
     assert main(["campaign", "add", camp, str(table), film]) == 2
     assert "of a joint table that another controller played say --cycles" in capsys.readouterr().err
-    assert main(["campaign", "add", camp, str(played / "none.csv"), film, "--cycles", "2"]) == 2
-    assert "no such joint table" in capsys.readouterr().err
+    for words, said in [
+        ([str(played / "none.csv"), film], "no such joint table"),
+        ([str(table), film, "--cycle-duration", "0"], "cycle_duration_s"),
+        (
+            [str(table), film, "--cycle-duration", "5", "--pause", "nan"],
+            "`pause_s` must be a number of seconds, got nan",
+        ),
+        ([str(table), film, "--cycle-duration", "5", "--from", "inf"], "`from_s` must be a number of seconds, got inf"),
+        ([str(table), film, "--cycle-duration", "5", "--servo-log", "none.csv"], "none.csv: no such servo log"),
+    ]:
+        assert main(["campaign", "add", camp, *words, "--format", "tidy", "--cycles", "2"]) == 2
+        assert said in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("kind", ["long", "tidy", "c3d"])

@@ -6,6 +6,7 @@ What `play` recorded says itself how it was played; of a table that another cont
 from __future__ import annotations
 
 import json
+import math
 import shutil
 import tomllib
 from dataclasses import dataclass
@@ -138,9 +139,13 @@ def _entry(known: CampaignFile, folder: Path, new: NewTrial) -> dict[str, Any]:
         raise InputError(f"--name {error}, got {name!r}.") from None
     if name in {trial.name for trial in known.trial}:
         raise InputError(f"the campaign has a trial `{name}` already. Give another --name.")
-    if not new.motion.is_file():
-        raise InputError(f"{new.motion}: no such motion file.")
+    for file, what in ((new.motion, "motion file"), (new.schedule.servo_log, "servo log")):
+        if file is not None and not file.is_file():
+            raise InputError(f"{file}: no such {what}.")
     schedule = {k: schedule[k] for k in ("cycle_duration_s", "cycles", "pause_s", "ended") if k in schedule}
+    for key, value in (schedule | dict(new.keys)).items():
+        if isinstance(value, float) and not math.isfinite(value):
+            raise InputError(f"`{key}` must be a number of seconds, got {value}.")
     gait = new.gait if new.table is None else new.gait or _same_gait(known, folder, new.table) or name
     return {"name": name, **({} if gait is None else {"gait": gait}), **schedule, **dict(new.keys)}
 
@@ -161,7 +166,7 @@ def _by_another(given: Schedule, table: Path) -> dict[str, Any]:
         raise InputError(f"{table}: no such joint table.")
     read_table(table)
     stated = read_stated(table)
-    duration = given.cycle_duration_s or stated.cycle_duration_s
+    duration = stated.cycle_duration_s if given.cycle_duration_s is None else given.cycle_duration_s
     if given.cycles is None or duration is None:
         lacking = "--cycles" if given.cycles is None else "--cycle-duration"
         raise InputError(f"{table}: does not say how it was played. Give {lacking}.")
