@@ -248,6 +248,17 @@ def test_an_animal_has_no_servos_and_no_limit_of_theirs(tmp_path: Path) -> None:
     assert load(new("problem", tmp_path / "snake.toml")).body.joint_speed_limit_rpm == 57.0
 
 
+def test_how_fast_servos_turn_is_asked_and_what_is_assumed_of_them_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    assert load(new("problem", tmp_path / "p.toml", "--speed-limit", "40")).body.joint_speed_limit_rpm == 40.0
+    assert "--speed-limit" not in capsys.readouterr().out
+    new("problem", tmp_path / "q.toml")
+    assert "--speed-limit 57" in capsys.readouterr().out
+    worm = new("problem", tmp_path / "worm.toml", "--kind", "crawler", "--speed-limit", "40")
+    assert load(worm).body.joint_speed_limit_rpm == 40.0
+
+
 @pytest.mark.parametrize(("kind", "ratio"), [("crawler", 0.2), ("swimmer", 0.5)])
 def test_an_animal_is_a_smooth_body_of_which_nothing_is_made_up(
     tmp_path: Path, kind: str, ratio: float, capsys: pytest.CaptureFixture
@@ -305,7 +316,7 @@ def test_questions_are_asked_on_a_terminal_and_asked_again_after_a_wrong_answer(
     words = [sys.executable, "-m", "serpenoid", "new", "problem", str(tmp_path / "mine.toml")]
     process = subprocess.Popen(words, stdin=slave, stderr=slave, stdout=subprocess.PIPE, text=True)
     os.close(slave)
-    os.write(master, b"\nmany\n4\n\n0.5\n\n\n\n\n\n\n")
+    os.write(master, b"\nmany\n4\n\n0.5\n\n\n\n\n\n\n\n")
     out, _ = process.communicate(timeout=60)
     said = os.read(master, 65536).decode()
     os.close(master)
@@ -480,6 +491,17 @@ def test_films_of_an_animal_become_a_campaign_by_two_commands(worm: Path, capsys
     assert "has a trial `worm-2` already" in capsys.readouterr().err
 
 
+def test_an_end_that_the_names_of_the_points_contradict_is_refused(worm: Path, capsys: pytest.CaptureFixture) -> None:
+    film = worm / "worm-1.csv"
+    film.write_text(film.read_text().replace("nose", "Snout").replace("tip", "Tail_tip"))
+    words = ["new", "campaign", "c", "--yes", "--film", "worm-1.csv", "--format", "deeplabcut"]
+    assert main(words) == 2
+    said = "the first point of the film is `Snout` and the last `Tail_tip`. Give --first-point head."
+    assert said in capsys.readouterr().err
+    assert main([*words, "--first-point", "head"]) == 0
+    assert load_campaign_file(worm / "c")[0].motion.markers[0] == "Tail_tip"
+
+
 @pytest.mark.parametrize(
     ("header", "extra", "told"),
     [
@@ -538,11 +560,69 @@ def test_a_film_that_cannot_be_read_makes_no_campaign(worm: Path, words: list[st
     assert not (worm / "c").exists()
 
 
+def test_a_new_campaign_of_a_robot_with_wheels_amid_its_links_has_markers_at_joints_and_ends(tmp_path: Path) -> None:
+    problem = new("problem", tmp_path / "mine.toml", "--joints", "3", "--wheels", "middles")
+    new("campaign", tmp_path / "camp", "--problem", str(problem), "--format", "deeplabcut")
+    campaign = load_campaign(tmp_path / "camp")
+    motion = campaign.file.motion
+    assert (campaign.body.vertices, motion.vertices) == (9, (0, 2, 4, 6, 8))
+    assert motion.markers == ("Robot:tail", "Robot:joint_1", "Robot:joint_2", "Robot:joint_3", "Robot:head")
+    assert campaign.trials[0].motion is not None
+
+
 def test_a_robots_trial_is_not_its_film_alone(played: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["campaign", "add", str(played / "camp"), str(played / "take.csv")]) == 2
     assert "LOG is missing: a robot's trial is what `serpenoid play --log` recorded, and its film." in (
         capsys.readouterr().err
     )
+
+
+def test_a_table_that_another_controller_played_becomes_a_trial_and_its_repeat(
+    played: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    camp, film = played / "camp", played / "take.csv"
+    table = played / "trials" / "wave-1" / "joint_table.csv"
+    gait = played / "gait"
+    gait.mkdir()
+    shutil.copy(table, gait)
+    words = ["campaign", "add", str(camp), str(gait), str(film), "--format", "tidy", "--cycles", "2", "--pause", "1"]
+    assert main(words) == 2
+    assert "does not say how it was played. Give --cycle-duration" in capsys.readouterr().err
+    assert not (camp / "take").exists()
+    assert main([*words, "--cycle-duration", "3"]) == 0
+    assert (
+        main([*words, "--cycle-duration", "3", "--name", "again", "--servo-log", str(table.with_name("servo.csv"))])
+        == 0
+    )
+    first, again = load_campaign_file(camp)[0].trial
+    assert (first.name, first.gait, again.gait) == ("take", "take", "take")
+    assert (first.cycles, first.pause_s, first.cycle_duration_s) == (2, 1.0, 3.0)
+    assert (first.servo_log, again.servo_log) == (None, "again/servo.csv")
+    np.testing.assert_array_equal(read_table(camp / "again" / "joint_table.csv"), read_table(table))
+
+
+def test_schedules_beside_what_play_recorded_or_beside_nothing_are_refused(
+    played: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    camp, log, film = (str(played / name) for name in ("camp", "trials/wave-1", "take.csv"))
+    assert main(["campaign", "add", camp, log, film, "--cycles", "2"]) == 2
+    assert "play.json says how it was played. Leave out --cycles" in capsys.readouterr().err
+    table = played / "mine.csv"
+    shutil.copy(played / "trials" / "wave-1" / "joint_table.csv", table)
+    assert main(["campaign", "add", camp, str(table), film]) == 2
+    assert "of a joint table that another controller played say --cycles" in capsys.readouterr().err
+    for words, said in [
+        ([str(played / "none.csv"), film], "no such joint table"),
+        ([str(table), film, "--cycle-duration", "0"], "cycle_duration_s"),
+        (
+            [str(table), film, "--cycle-duration", "5", "--pause", "nan"],
+            "`pause_s` must be a number of seconds, got nan",
+        ),
+        ([str(table), film, "--cycle-duration", "5", "--from", "inf"], "`from_s` must be a number of seconds, got inf"),
+        ([str(table), film, "--cycle-duration", "5", "--servo-log", "none.csv"], "none.csv: no such servo log"),
+    ]:
+        assert main(["campaign", "add", camp, *words, "--format", "tidy", "--cycles", "2"]) == 2
+        assert said in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("kind", ["long", "tidy", "c3d"])

@@ -8,10 +8,12 @@ import signal
 import subprocess
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+import serpenoid as sp
 from robot.emulated import start
 from serpenoid.cli.main import VERBS, build_parser, main
 
@@ -34,12 +36,32 @@ def test_commands_of_a_tutorial_are_understood(page: Path) -> None:
         assert all((ROOT / name).exists() for name in named), words
 
 
-def test_the_python_tutorial_runs(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+def python_tutorial() -> dict[str, Any]:
+    """Run it; what it has named."""
     assert main(["examples"]) == 0
     text = (ROOT / "docs" / "start" / "python.md").read_text(encoding="utf-8")
-    names: dict[str, object] = {}
+    names: dict[str, Any] = {}
     for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL):
         exec(compile(block, "python.md", "exec"), names)
+    return names
+
+
+def test_the_tutorials_curvature_is_what_small_loops_move_per_area(tmp_path: Path) -> None:
+    names = python_tutorial()
+    middle, t = names["table"][0], 2 * np.pi * np.arange(400) / 400
+    curvature = np.array(names["curvature"](middle)).ravel()
+    errors = []
+    for radius in (0.04, 0.02):
+        loop = np.tile(middle, (len(t), 1))
+        loop[:, [names["i"], names["j"]]] += radius * np.column_stack([np.cos(t), np.sin(t)])
+        moved = sp.simulate_joint_angles(names["problem"].model, loop).net_motion
+        errors.append(np.abs(moved / (np.pi * radius**2) - curvature).max())
+    assert np.abs(curvature).max() > 500 * errors[0]
+    assert 1.7 < errors[0] / errors[1] < 2.3  # what is left is of first order in the radius
+
+
+def test_the_python_tutorial_runs(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    python_tutorial()
     said = capsys.readouterr().out
     assert "<Simulation reference: solved" in said
     assert "SOLVED 0.0" in said

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
 import serpenoid as sp
 from effects.conftest import extended, place_of, typical
 from serpenoid.effects import ActiveEffect, ActuationEffect, catalogue, find
+from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.element import Element
 from serpenoid.effects.view import View
 from serpenoid.errors import InputError
+from serpenoid.mechanics.extended import SETTING, wrench
+from serpenoid.media import LAWS
 from serpenoid.model import Model
 from serpenoid.problem import Problem
 from serpenoid.simulation.servos import realise
@@ -173,3 +179,29 @@ def test_a_floor_is_flat(problem: Problem) -> None:
     shapes[..., 0] = np.linspace(0, 1, 12)
     with pytest.raises(InputError, match="simulate in the plane"):
         sp.simulate_in_space(extended(problem, typical("toe")), shapes)
+
+
+class _Spread(MediumEffect):
+    """A number where a force has two parts."""
+
+    def on_element(self, element: Element, p: Symbols) -> Element:
+        return replace(element, push=p.strength * element.weight)
+
+
+class _Forgetful(MediumEffect):
+    def on_element(self, element: Element, p: Symbols) -> Element:
+        replace(element, push=p.strength * element.velocity)  # type: ignore[return]
+
+
+@pytest.mark.parametrize(
+    ("broken", "said"),
+    [
+        (_Spread, r"effect `broken`: `push` must have the shape \(2, 1\), got \(1, 1\)"),
+        (_Forgetful, "effect `broken`: must give back its Element, got NoneType. Does it lack a `return`"),
+    ],
+)
+def test_an_effect_whose_file_is_wrong_is_refused_by_its_own_name(broken: type[MediumEffect], said: str) -> None:
+    effect = broken("broken", None, (Parameter("strength", "1", 0.0, 1.0, 0.0, 0.1, "of it"),), "nothing", "nothing")
+    sizes = (6, 6, 6, 2, SETTING, 2)
+    with pytest.raises(TypeError, match=said):
+        wrench((effect,), LAWS["viscous"], *(ca.SX.sym("s", size) for size in sizes))

@@ -137,6 +137,28 @@ def test_tidy_round_trip_and_faults(tmp_path):
         read_tidy(path)
 
 
+def test_a_table_without_a_clock_has_a_frame_in_each_row(tmp_path):
+    path = tmp_path / "midline.csv"
+    path.write_text("x1,x2,y1,y2\n1,2,3,4\nNaN,2,NaN,4\n5,6,7,8\n")
+    tracks = read_tidy(path, "mm", 20.0, MotionColumns(x="x*", y="y*"))
+    np.testing.assert_allclose(tracks.time_s, [0, 0.05, 0.1])
+    np.testing.assert_allclose(tracks.floor[2], [[5e-3, 7e-3], [6e-3, 8e-3]])
+    np.testing.assert_array_equal(tracks.seen[1], [False, True])
+    with pytest.raises(InputError, match=r'`columns = \{ x = "x\*", y = "y\*" \}` and `frames_per_second`'):
+        read_tidy(path, "mm", 20.0)
+
+
+def test_times_are_not_taken_for_numbers_of_frames(tmp_path):
+    path = tmp_path / "m.csv"
+    refusal = r"row {}, column A \(`t`\): frame numbers are whole, got 0.05. Are these times"
+    path.write_text("t,x,y\n0,1,2\n0.05,1,2\n")
+    with pytest.raises(InputError, match=refusal.format(3)):
+        read_tidy(path, "mm", 20.0, MotionColumns(frame="t", x=("x",), y=("y",)))
+    path.write_text("t,p,x,y\n0,1,1,2\n0,2,3,4\n0.05,1,1,2\n0.05,2,3,4\n")
+    with pytest.raises(InputError, match=refusal.format(4)):
+        read_long(path, {"frame": "t", "point": "p", "x": "x", "y": "y"}, "mm", 20.0)
+
+
 def test_tidy_columns_of_ones_own_are_those_that_are_named_in_their_order(tmp_path):
     path = tmp_path / "t.csv"
     path.write_text("no,ms,M11_y,M9_x,M9_y,M10_x,M10_y,M11_x\n7,0,6,1,2,3,4,5\n8,100,6,1,2,3,4,5\n")
@@ -149,7 +171,8 @@ def test_tidy_columns_of_ones_own_are_those_that_are_named_in_their_order(tmp_pa
         ({"time": "s", "x": "M*_x", "y": "M*_y"}, r"no column `s` \(for `time`\)"),
         ({"time": "ms", "x": "N*_x", "y": "M*_y"}, r"0 column\(s\) for x and 3 for y"),
         ({"time": "ms", "x": "M9_x", "y": "M*_y"}, r"`x` must be a list of names"),
-        ({"x": "M*_x", "y": "M*_y"}, "needs `time`"),
+        ({"time": "ms", "x": "M*_x"}, "needs `x` and `y`"),
+        ({"x": "M*_x", "y": "M*_y"}, "has no column of times: give `frames_per_second`"),
     ]:
         with pytest.raises(InputError, match=match):
             read_tidy(path, "m", None, MotionColumns.model_validate(columns))

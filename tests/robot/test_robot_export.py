@@ -1,6 +1,7 @@
 """Exports are read back: CSV and ticks exactly, the ROS 2 trajectory by the MCAP reader and by a YAML reader."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from emulated import ROBOT_FILE, gait, robot, serpenoid, write_gait
 
 from serpenoid.errors import InputError
 from serpenoid.robot import ros
+from serpenoid.robot.angles import paced
 from serpenoid.robot.table import read_table, write_table
 from serpenoid.robot.ticks import to_ticks
 
@@ -22,6 +24,54 @@ def test_csv_and_ticks_are_read_back(tmp_path):
     assert export(tmp_path, "ticks", "--robot", ROBOT_FILE).returncode == 0
     ticks = np.loadtxt(tmp_path / "out" / "ticks.csv", delimiter=",", skiprows=1, dtype=int)
     assert np.array_equal(ticks, to_ticks(gait(), robot()))
+
+
+def test_angles_for_a_controller_of_ones_own_are_the_gait_at_its_pace_in_its_unit_and_signs(tmp_path):
+    """A sine in a table so fine that straight lines between rows are it, against the sine itself at 50 Hz."""
+    phases = 2 * np.pi * np.arange(1000) / 1000
+    shifts = np.arange(4)
+    write_table(tmp_path / "sine.csv", 0.5 * np.sin(phases[:, None] + shifts))
+    out = tmp_path / "out"
+    words = ["export", tmp_path / "sine.csv", "--format", "angles", "--out", out, "--cycle-duration", "2.5"]
+    done = serpenoid(*words, "--rate", "50", "--signs=-1,1,1,1", "--zeros", "90,0,0,0")
+    assert done.returncode == 0, done.stderr
+    assert (out / "angles.csv").read_text().splitlines()[0] == "joint_1_deg,joint_2_deg,joint_3_deg,joint_4_deg"
+    told = np.loadtxt(out / "angles.csv", delimiter=",", skiprows=1)
+    moments = 2 * np.pi * np.arange(125) / 125
+    angles = 0.5 * np.sin(moments[:, None] + shifts)
+    # a line under an arc of 2 pi / 1000: 0.5 (2 pi / 1000)^2 / 8 rad; rounding: 5e-5 degrees
+    np.testing.assert_allclose(told, np.degrees(angles) * [-1, 1, 1, 1] + [90, 0, 0, 0], atol=2e-4)
+    again = read_table(out)
+    np.testing.assert_allclose(again.angles, angles, atol=3e-6)
+    assert again.stated.cycle_duration_s == 2.5
+
+
+def test_a_transient_for_a_controller_of_ones_own_keeps_its_first_and_last_row():
+    ramp = np.linspace(0, 1, 11)[:, None] * [1.0, -1.0]
+    np.testing.assert_allclose(paced(ramp, False, 1.0, 20.0), np.linspace(0, 1, 21)[:, None] * [1.0, -1.0], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--rate", "50", "--cycle-duration", "2.03"], "2.03 s are 101.5 rows.*--cycle-duration 2.02 or 2.04"),
+        (["--rate", "0", "--cycle-duration", "2"], "--rate must be above 0 rows a second"),
+        (["--rate", "50"], "Give --cycle-duration S"),
+        (["--signs=1,-1"], "--signs must be one number, or 10 numbers with commas"),
+        (["--signs=2"], "--signs must be 1 or -1"),
+        (["--zeros", "90;90"], "--zeros must be one number"),
+    ],
+)
+def test_angles_that_no_controller_could_mean_are_refused(tmp_path, words, said):
+    done = export(tmp_path, "angles", *words)
+    assert done.returncode == 2
+    assert re.search(said, done.stderr), done.stderr
+    assert not (tmp_path / "out" / "angles.csv").exists()
+
+
+def test_signs_beside_another_format_are_refused(tmp_path):
+    done = export(tmp_path, "csv", "--signs=-1")
+    assert (done.returncode, "--signs: is for --format angles" in done.stderr) == (2, True)
 
 
 @pytest.mark.parametrize("out", ["out", "mine.csv"])

@@ -131,6 +131,7 @@ FAULTS = {
     "silent:4@1.0": r"joint_4 \(ID 4\): no answer",
     "crc:4@1.0": r"joint_4 \(ID 4\): a corrupt answer",
     "delay:4@1.0=0.3": r"joint_4 \(ID 4\): no answer",
+    "delay:3@1.0=0.05": r"joint_3 \(ID 3\) answers late",  # it holds up the answers of all behind it
     "delay:4@1.0=0.1": r"joint_4 \(ID 4\)|servo 4 failed",  # late answers meet later questions
     "overheat:4@1.0": r"joint_4 \(ID 4\) protects itself: overheating",
     "voltage@1.0=9.0": "battery: 9.0 V at the servos, `minimum_V` is 9.9 V",
@@ -140,8 +141,8 @@ FAULTS = {
 }
 
 
-# no answer, a servo that starts anew, no port; one that protects itself: below; a low battery: test_servo_models.py
-QUICK = {"silent:4@1.0", "reset:4@1.0", "unplug@1.0=0.3"}
+# no answer, late ones, a servo that starts anew, no port; protecting itself: below; low battery: test_servo_models.py
+QUICK = {"silent:4@1.0", "delay:3@1.0=0.05", "reset:4@1.0", "unplug@1.0=0.3"}
 
 
 @pytest.mark.parametrize("fault", [pytest.param(f, marks=[] if f in QUICK else pytest.mark.slow) for f in FAULTS])
@@ -201,6 +202,17 @@ def test_servo_that_never_answered_is_no_emergency_as_nothing_was_switched_on(tm
     assert "TORQUE MAY STILL BE ON" in serpenoid("show", tmp_path / "log").stdout
 
 
+def test_bus_on_which_no_servo_answers_is_told_as_one_fault(tmp_path):
+    slow = tmp_path / "slow.toml"
+    slow.write_text(ROBOT_FILE.read_text().replace("baud_rate = 1000000", "baud_rate = 57600"))
+    with emulator(tmp_path) as rig:
+        done = serpenoid("robot", "check", write_gait(tmp_path), "--robot", slow, "--port", rig.port)
+    assert done.returncode == 1
+    assert "no servo answers at 57600 baud; asked for IDs 1, 2, 3, 4, 5, 6, 7, 8, 9, 10." in done.stderr
+    assert "serpenoid robot scan tries others" in done.stderr
+    assert "joint_1 " not in done.stderr
+
+
 def test_servo_that_hears_nothing_is_stopped_by_its_watchdog_and_the_others_are_off(tmp_path):
     with emulator(tmp_path, "deaf:4@0.6") as rig:
         done = serpenoid(*play_words(write_gait(tmp_path), rig.port, tmp_path / "log"))
@@ -211,7 +223,15 @@ def test_servo_that_hears_nothing_is_stopped_by_its_watchdog_and_the_others_are_
         assert rig.chain.servos[3].table["bus_watchdog"] == -1
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, pytest.param(signal.SIGHUP, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "number",
+    [
+        signal.SIGINT,
+        signal.SIGTERM,
+        signal.SIGTSTP,  # Ctrl-Z would leave servos that hold
+        *(pytest.param(number, marks=pytest.mark.slow) for number in (signal.SIGHUP, signal.SIGQUIT)),
+    ],
+)
 def test_signal_ends_with_torque_off_and_exit_code_130(tmp_path, number):
     with emulator(tmp_path) as rig:
         process = start(*play_words(write_gait(tmp_path), rig.port, tmp_path / "log", cycles=50))

@@ -5,10 +5,13 @@
     serpenoid campaign add my-campaign trials/gait01-1 ~/Motive/take-17.csv
     serpenoid measure my-campaign
 
+    serpenoid export RESULTS --format angles --signs=-1 --out gait    # for a controller of your own
+    serpenoid campaign add my-campaign gait film-1.csv --cycles 3 --pause 1
+
     serpenoid new campaign my-worm --film worm-1.csv --format sleap --frames-per-second 30
     serpenoid campaign add my-worm worm-2.csv                   # of an animal there is no log
 
-`add` copies what `play` recorded and the cameras' file into the campaign and appends a [[trial]] section; a trial with
+`add` copies what was played and the cameras' file into the campaign and appends a [[trial]] section; a trial with
 the joint table of an earlier one becomes its repeat. Nothing is changed where the motion file cannot be read.
 """
 
@@ -29,10 +32,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "add", help="a log of `play` and a motion file, or an animal's film", description=__doc__, formatter_class=plain
     )
     add.add_argument("campaign", type=Path, metavar="CAMPAIGN", help="campaign folder")
-    log_help = "folder that `serpenoid play --log` wrote; of an animal left out"
-    add.add_argument("log", type=Path, nargs="?", metavar="LOG", help=log_help)
+    log_help = (
+        "folder that `serpenoid play --log` wrote, or the joint table (or its folder) that another controller played; "
+    )
+    add.add_argument("played", type=Path, nargs="?", metavar="LOG", help=f"{log_help}of an animal left out")
     add.add_argument("motion", type=Path, metavar="MOTION", help="the cameras' file of that trial")
-    add.add_argument("--name", metavar="NAME", help="of the trial (default: the log folder's, or the film's)")
+    add.add_argument("--name", metavar="NAME", help="of the trial (default: the log folder's, else the film's)")
     add.add_argument(
         "--gait", metavar="LABEL", help="default: that of a trial with the same joint table, else the name"
     )
@@ -41,16 +46,25 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add.add_argument("--from", dest="from_s", type=float, metavar="S", help="use the motion file from here")
     add.add_argument("--to", dest="to_s", type=float, metavar="S", help="... to here")
     add.add_argument("--anyway", action="store_true", help="also a trial that was not played as asked")
+    other = add.add_argument_group("of a joint table that another controller played")
+    other.add_argument("--cycles", type=options.positive, metavar="N", help="cycles played")
+    other.add_argument("--pause", type=float, metavar="S", help="rest after each cycle [s] (default 0)")
+    other.add_argument(
+        "--cycle-duration", type=float, metavar="S", help="time of one cycle [s] (default: its results')"
+    )
+    other.add_argument("--servo-log", type=Path, metavar="FILE", help="what its servos read, if they do ([servo_log])")
     options.add_output(add)
 
 
 def run(args: argparse.Namespace) -> int:
     """Add, say what to do next."""
-    from serpenoid.scaffold.add import NewTrial, add_trial
+    from serpenoid.scaffold.add import NewTrial, Schedule, add_trial
 
     given = ((key, getattr(args, key)) for key in ("format", "individual", "from_s", "to_s"))
     keys = tuple((key, value) for key, value in given if value is not None)
-    name = add_trial(args.campaign, NewTrial(args.log, args.motion, args.name, args.gait, keys, args.anyway))
+    schedule = Schedule(args.cycles, args.pause or 0.0, args.cycle_duration, args.servo_log)
+    new = NewTrial(args.played, args.motion, args.name, args.gait, keys, args.anyway, schedule)
+    name = add_trial(args.campaign, new)
     text = f"trial `{name}` added to {args.campaign}. Next: serpenoid measure {shlex.quote(str(args.campaign))}"
     options.report(args, {"campaign": str(args.campaign), "trial": name}, [text])
     return 0

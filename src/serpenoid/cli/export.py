@@ -3,10 +3,13 @@
 RESULTS is a results folder or a joint-table CSV. Formats:
   csv      joint_table.csv, radians; joint_table.json: what `play` must know of it (a transient? limits, duration).
            Of a gait in space ([lift]), which the other formats do not know: yaw of every joint, then pitch
+  angles   angles.csv for a controller of your own: --rate rows a second (default: the table's), --angle-unit, --signs,
+           --zeros; joint_table.csv: the same rows as `campaign add` wants them, radians
   ticks    ticks.csv, servo positions as --robot maps them
   openrb   an Arduino sketch for the OpenRB-150 that plays the gait without a computer (library Dynamixel2Arduino)
   ros2     JointTrajectory as MCAP and as YAML for joint_trajectory_controller
 
+  serpenoid export RESULTS --format angles --cycle-duration 2 --rate 50 --signs=-1 --zeros 90 --out gait
   serpenoid export RESULTS --format openrb --robot problems/robots/snake10-robot.toml --cycles 3 --pause 2 --out snake
   ros2 topic pub --once /joint_trajectory_controller/joint_trajectory trajectory_msgs/msg/JointTrajectory \\
       "$(cat DIR/joint_trajectory.yaml)"
@@ -41,6 +44,7 @@ from serpenoid.cli.robot_arguments import (
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_csv, write_json, write_text
 from serpenoid.robot import ros
+from serpenoid.robot.angles import UNITS, commands, of_each, paced, signs_of
 from serpenoid.robot.checks import Refusal, check_finite
 from serpenoid.robot.description import Robot
 from serpenoid.robot.firmware import sketch
@@ -50,7 +54,8 @@ from serpenoid.robot.table import JointTable, read_table, write_table
 
 SKETCH = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,62}")
 ENDINGS = (".csv", ".ino", ".mcap", ".yaml")  # of a file, where a folder may be meant
-TABLES = ("csv", "ticks")  # formats that tell rows, and not to every program how they are played
+ALONE = ("csv", "ticks")  # formats of one table, which may be a file
+TABLES = (*ALONE, "angles")  # formats that tell rows, and not to every program how they are played
 Exporter = Callable[[argparse.Namespace, JointTable, Robot | None, Path], None]
 
 
@@ -60,13 +65,27 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the files, or a file .csv")
     parser.add_argument("--force", action="store_true", help="move other files of their names aside")
     add_robot(parser, required=False)
+    _add_angles(parser)
     parser.add_argument("--cycles", type=int, default=1, metavar="N", help="openrb, ros2: cycles to play (default 1)")
     parser.add_argument("--pause", type=float, default=0.0, metavar="S", help="openrb, ros2: rest after each cycle [s]")
     add_widen(parser)
     parser.add_argument("--power-stream", action="store_true", help="openrb: stream INA260 readings over USB")
 
 
+def _add_angles(parser: argparse.ArgumentParser) -> None:
+    own = parser.add_argument_group("angles")
+    own.add_argument("--rate", type=float, metavar="HZ", help="rows a second (default: as many as the table has)")
+    own.add_argument("--angle-unit", choices=UNITS, help=f"of the angles (default {UNITS[0]})")
+    signs = "1 or -1, tail to head with commas or one for all (as --signs=-1); 1: counter-clockwise seen from above"
+    own.add_argument("--signs", metavar="N,N", help=signs)
+    zeros = "what the controller calls straight, in that unit (90 of most hobby servos), likewise (default 0)"
+    own.add_argument("--zeros", metavar="A,A", help=zeros)
+
+
 def run(args: argparse.Namespace) -> int:
+    given = [name for name in ("rate", "angle-unit", "signs", "zeros") if getattr(args, name.replace("-", "_"))]
+    if given and args.format != "angles":
+        raise InputError(f"--{given[0]}: is for --format angles, got {args.format}. Leave it out.")
     table, robot, refusals = _load(args)
     if refusals:
         warn("refused, nothing was written:", *refusals)
@@ -91,7 +110,7 @@ def _file(args: argparse.Namespace) -> str | None:
     ending = args.out.suffix.lower()
     if args.out.is_dir() or ending not in ENDINGS:
         return None
-    if ending != ".csv" or args.format not in TABLES:
+    if ending != ".csv" or args.format not in ALONE:
         raise InputError(f"--out {args.out}: --format {args.format} writes into a folder: name one without `{ending}`.")
     return str(args.out.name)
 
@@ -103,6 +122,17 @@ def _load(args: argparse.Namespace) -> tuple[JointTable, Robot | None, list[Refu
         return table, robot, refusals
     table = read_table(args.results, any_table=args.format == "csv")
     return table, None, check_finite(table.angles) or body_refusals(args, table, told_duration(args, table))
+
+
+def _angles(args: argparse.Namespace, table: JointTable, robot: Robot | None, folder: Path) -> None:
+    rows, stated = table.angles, table.stated.model_copy(update={"cycle_duration_s": told_duration(args, table)})
+    if args.rate is not None:
+        rows = paced(rows, table.closed, cycle_duration(args, table, robot), args.rate)
+    unit, joints = args.angle_unit or UNITS[0], rows.shape[1]
+    told = commands(rows, unit, signs_of(args.signs or "1", joints), of_each(args.zeros or "0", joints, "--zeros"))
+    write_csv(folder / "angles.csv", [f"{name}_{unit}" for name in table.columns], told.tolist())
+    write_table(folder / "joint_table.csv", rows)
+    write_json(own_record(folder / "joint_table.csv"), stated.model_dump(mode="json"))
 
 
 def _csv(args: argparse.Namespace, table: JointTable, _: Robot | None, folder: Path) -> None:
@@ -143,4 +173,4 @@ def _plan(args: argparse.Namespace, table: JointTable, robot: Robot | None) -> P
     return planned(args, table, robot)
 
 
-EXPORTERS: dict[str, Exporter] = {"csv": _csv, "ticks": _ticks, "openrb": _openrb, "ros2": _ros2}
+EXPORTERS: dict[str, Exporter] = {"csv": _csv, "angles": _angles, "ticks": _ticks, "openrb": _openrb, "ros2": _ros2}

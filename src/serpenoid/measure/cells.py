@@ -178,3 +178,14 @@ def increasing_times(times: Floats, rows: int | NDArray[np.int64], column: int, 
             f"{times[back[0]]:g}. {cure}"
         )
     return times
+
+
+def whole_frames(frames: Floats, first: int, column: int, path: Path, name: str) -> Floats:
+    """A column that counts frames, checked: no fractions, which times have. first: row of the file where it begins."""
+    broken = np.flatnonzero(np.isfinite(frames) & (frames != np.round(frames)))
+    if broken.size:
+        raise InputError(
+            f"{place(path, first + int(broken[0]), column, name)}: frame numbers are whole, got {frames[broken[0]]:g}. "
+            f'Are these times? Then `columns = {{ time = "{name}", ... }}` in [motion].'
+        )
+    return frames

@@ -19,6 +19,7 @@ from serpenoid.measure.cells import (
     missing,
     place,
     read_rows,
+    whole_frames,
     whole_points,
 )
 from serpenoid.measure.child import read_in_child
@@ -59,6 +60,8 @@ def read_long(
     data = block(rows, 1, where, [columns[role] for role in roles], path)
     _refuse_empty(data[:, :2], where, rows, path)
     whole_points(data[:, None, 2:], 1, where[2:3], [columns["x"]], path)
+    if clock == "frame":
+        whole_frames(data[:, 0], 1, where[0], path, columns[clock])
     own = _own(rows, found.get("individual"), individual, path)
     data = data[own]
     stamps, frame = np.unique(data[:, 0], return_inverse=True)

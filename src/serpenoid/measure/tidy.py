@@ -6,8 +6,10 @@ import re
 from os.path import commonprefix
 from pathlib import Path
 
+import numpy as np
+
 from serpenoid.errors import InputError
-from serpenoid.measure.cells import block, increasing_times, place, read_rows, whole_points
+from serpenoid.measure.cells import block, increasing_times, place, read_rows, whole_frames, whole_points
 from serpenoid.measure.columns import (
     IN_BRACKETS,
     SECONDS,
@@ -40,23 +42,28 @@ def read_tidy(
 ) -> Tracks:
     """`t_s,x_0,y_0,x_1,y_1,...`, or `frame` for `t_s`; vertex 0 = tail; an empty cell is a hidden marker.
 
-    columns: names of the file's own; what they do not name is passed over.
+    columns: names of the file's own; what they do not name is passed over. With neither `time` nor `frame` among them
+    each row is the next frame.
     """
     path = Path(path)
     rows = read_rows(path)
     header = [cell.strip() for cell in rows[0]]
-    places = _tidy_places(header, path) if columns is None else _own_places(header, columns, path)
+    clock, points = (0, _tidy_points(header, path)) if columns is None else _own_places(header, columns, path)
     counts = header[0] == "frame" if columns is None else columns.time is None
     if counts and not frames_per_second:
-        raise no_time(path, "counts frames")
-    called = [header[c] for c in places]
-    data = block(rows, 1, places, called, path)
-    refuse_other_unit(called[:1], time_unit, () if counts else SECONDS, "time_unit", path)
-    refuse_other_unit(called[1:], length_unit, METRES, "length_unit", path)
-    unit = 1 / float(frames_per_second or 1) if counts else SECONDS[time_unit]
-    times = increasing_times(data[:, 0], 1, places[0], path, called[0]) * unit
-    floor = whole_points(data[:, 1:].reshape(len(data), -1, 2), 1, places[1::2], called[1::2], path)
-    names = in_places(floor.shape[1]) if columns is None else _stems(called[1::2], called[2::2])
+        raise no_time(path, "has no column of times" if clock is None else "counts frames")
+    clocks, called = [] if clock is None else [clock], [header[c] for c in points]
+    refuse_other_unit([header[c] for c in clocks], time_unit, () if counts else SECONDS, "time_unit", path)
+    refuse_other_unit(called, length_unit, METRES, "length_unit", path)
+    data = block(rows, 1, [*clocks, *points], [header[c] for c in clocks] + called, path)
+    times = np.arange(len(data), dtype=float)
+    if clock is not None:
+        times = increasing_times(data[:, 0], 1, clock, path, header[clock])
+        if counts:
+            whole_frames(times, 1, clock, path, header[clock])
+    times = times * (1 / float(frames_per_second or 1) if counts else SECONDS[time_unit])
+    floor = whole_points(data[:, len(clocks) :].reshape(len(data), -1, 2), 1, points[::2], called[::2], path)
+    names = in_places(floor.shape[1]) if columns is None else _stems(called[::2], called[1::2])
     floor = upright(floor, length_unit) * METRES[length_unit]
     return Tracks(times, names, floor, str(path), (False,) * len(names), length_unit != "px")
 
@@ -67,8 +74,8 @@ def _stems(across: list[str], up: list[str]) -> tuple[str, ...]:
     return stems if all(stems) and len(set(stems)) == len(stems) else tuple(across)
 
 
-def _tidy_places(header: list[str], path: Path) -> list[int]:
-    """Columns of clock, x_0, y_0, x_1, ..., which is how they stand."""
+def _tidy_points(header: list[str], path: Path) -> list[int]:
+    """Columns of x_0, y_0, x_1, ..., which stand behind the clock's."""
     count = (len(header) - 1) // 2
     expected = ["frame" if header[0] == "frame" else "t_s"] + [f"{axis}_{k}" for k in range(count) for axis in "xy"]
     for column, (got, want) in enumerate(zip(header, expected, strict=False)):
@@ -79,7 +86,7 @@ def _tidy_places(header: list[str], path: Path) -> list[int]:
             f"{path}: row 1: a tidy file has `t_s,x_0,y_0,...` in pairs, got {len(header)} columns. Where others stand "
             'beside: `columns = { time = "t_s", x = "x_*", y = "y_*" }` in [motion] names those that are read.'
         )
-    return list(range(len(header)))
+    return list(range(1, len(header)))
 
 
 def _without_unit(name: str) -> str:
@@ -97,17 +104,24 @@ def _own(header: list[str]) -> str:
     if len(named) != 2 or any(name.count("*") != 1 for name in named) or '"' in "".join(header):
         return OWN_NAMES
     x, y = named
+    if re.sub(r"[0-9]+", "*", header[0]) == x:  # points begin in the first column
+        return (
+            f'Own names: `columns = {{ x = "{x}", y = "{y}" }}` and `frames_per_second` in [motion], as the file '
+            "has no column of times and each row is the next frame; points tail first, units as `length_unit` "
+            "(docs/your-csv.md)."
+        )
     return (
         f'Own names: `columns = {{ time = "{header[0]}", x = "{x}", y = "{y}" }}` in [motion], `frame` for `time` '
         "where frames are counted; points tail first, units as `length_unit` and `time_unit` (docs/your-csv.md)."
     )
 
 
-def _own_places(header: list[str], columns: MotionColumns, path: Path) -> list[int]:
-    """Columns of clock, x of vertex 0, y of vertex 0, x of vertex 1, ... by their own names."""
-    clock = columns.time or columns.frame
-    if clock is None or columns.x is None or columns.y is None:
-        raise InputError(f"{path}: `columns` needs `time` (or `frame`), `x` and `y` for a tidy file.")
+def _own_places(header: list[str], columns: MotionColumns, path: Path) -> tuple[int | None, list[int]]:
+    """Column of the clock, if one is named; those of x of vertex 0, y of vertex 0, x of vertex 1, ..."""
+    if columns.x is None or columns.y is None:
+        raise InputError(
+            f"{path}: `columns` needs `x` and `y` for a tidy file, and `time` or `frame` where it has one."
+        )
     pairs = [numbered(header, named, axis, path) for axis, named in (("x", columns.x), ("y", columns.y))]
     if not pairs[0] or len(pairs[0]) != len(pairs[1]):
         raise InputError(
@@ -115,4 +129,5 @@ def _own_places(header: list[str], columns: MotionColumns, path: Path) -> list[i
             f"the file has {shown(header)}."
         )
     inside = [find_column(header, name, "x or y", path) for both in zip(*pairs, strict=True) for name in both]
-    return [find_column(header, clock, "time" if columns.time else "frame", path), *inside]
+    named = columns.time or columns.frame
+    return None if named is None else find_column(header, named, "time" if columns.time else "frame", path), inside

@@ -17,8 +17,9 @@ Legend: M elements, P coordinates.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
+from typing import TypeVar
 
 import casadi as ca
 import numpy as np
@@ -33,6 +34,7 @@ from serpenoid.media import LAWS, Law
 
 SETTING = 6  # body length [m], duration [s] of the step, its middle [s since the start], origin (x, y), softening
 Kinds = tuple[MediumEffect, ...]
+T = TypeVar("T", Element, Drag)
 
 
 def coordinate_count(kinds: Kinds) -> int:
@@ -61,7 +63,7 @@ def wrench(
     offsets = [0, *(sum(len(k.parameters) + 1 for k in kinds[: i + 1]) for i in range(len(kinds)))]
     symbols = [kind.symbols(part) for kind, part in zip(kinds, ca.vertsplit(theta, offsets), strict=True)]
     for kind, p in zip(kinds, symbols, strict=True):
-        element = kind.on_element(element, p)
+        element = _kept(kind, element, kind.on_element(element, p))
     ratio = law.form_ratio(element.anisotropy_ratio)
     soft = softening_length(before[:4], after[:4], setting[5]) * length / duration
     multipliers = law.multipliers(*element.squared_slips, element.along(ratio), soft)
@@ -69,7 +71,7 @@ def wrench(
     for wheel, arm in zip(element.wheels, reversed(element.contacts), strict=True):
         drag = Drag.baseline(element, wheel, *multipliers)
         for kind, p in zip(kinds, symbols, strict=True):
-            drag = kind.on_drag(drag, p)
+            drag = _kept(kind, drag, kind.on_drag(drag, p))
         resistance = element.grip * drag.resistance(wheel, ratio) / 2
         scrub = element.grip * drag.scrubbing / 2 * element.axle * element.turning
         force, moment, axle = force + resistance, moment + cross(arm, resistance), axle + scrub
@@ -80,6 +82,23 @@ def wrench(
     resisted = ca.vertcat(force, moment / length) * duration / length
     momentum = ca.vertcat(element.momentum, cross(element.middle, element.momentum) / length) / length
     return ca.vertcat(resisted, momentum, energy)
+
+
+def _kept(kind: MediumEffect, before: T, after: T) -> T:
+    """What an effect made of an element or a drag; TypeError, with its name, where it is none or a part of it has
+    another shape: CasADi would spread a number over both directions."""
+    if not isinstance(after, type(before)):
+        wanted, got = type(before).__name__, type(after).__name__
+        raise TypeError(f"effect `{kind.name}`: must give back its {wanted}, got {got}. Does it lack a `return`?")
+    for part in fields(before):
+        was, now = (_shapes(getattr(record, part.name)) for record in (before, after))
+        if was != now:
+            raise TypeError(f"effect `{kind.name}`: `{part.name}` must have the shape {was}, got {now}.")
+    return after
+
+
+def _shapes(part: ca.SX | tuple[ca.SX, ...]) -> str:
+    return " and ".join(str(ca.SX(symbols).shape) for symbols in (part if isinstance(part, tuple) else (part,)))
 
 
 def _element(before: ca.SX, after: ca.SX, poses: ca.SX, medium: ca.SX, setting: ca.SX) -> Element:

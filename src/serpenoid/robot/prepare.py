@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from serpenoid.robot.bus import Bus
+from serpenoid.robot.bus.bus import NO_ANSWER
 from serpenoid.robot.checks import Refusal, check_voltage
 from serpenoid.robot.description import Robot
 from serpenoid.robot.faults import BusFault, PortLost, RobotFault
@@ -71,8 +72,8 @@ def set_profile(bus: Bus, plan: Plan, velocity: Sequence[int]) -> None:
 
 
 def identify(bus: Bus, robot: Robot) -> list[Refusal]:
-    """Ping each servo: presence, model, firmware."""
-    refusals = []
+    """Ping each servo: presence, model, firmware. Of a bus on which none answers one refusal says so."""
+    refusals, silent = [], 0
     for j, joint in enumerate(robot.joint):
         label, servo_id = f"{robot.joint_label(j)}, before step 0", joint.id
         try:
@@ -83,13 +84,21 @@ def identify(bus: Bus, robot: Robot) -> list[Refusal]:
         except BusFault as fault:
             remedy = "Check power and cable, and whether two servos have this ID: serpenoid robot scan."
             refusals.append(Refusal(label, str(fault).rstrip("."), f"expected at {robot.bus.baud_rate} baud", remedy))
+            silent += NO_ANSWER in str(fault)
             continue
         if number != joint.servo.number:
             refusals.append(_another_model(label, number, joint.servo))
         elif firmware < joint.servo.oldest_firmware:
             limit = f"the oldest that serves is {joint.servo.oldest_firmware}"
             refusals.append(Refusal(label, f"firmware {firmware}", limit, "Update it with DYNAMIXEL Wizard 2.0."))
-    return refusals
+    return [_none_answers(robot)] if silent == len(robot.joint) > 1 else refusals
+
+
+def _none_answers(robot: Robot) -> Refusal:
+    """What all servos share: power, the cable to them, their baud rate."""
+    where, asked = "the bus, before step 0", f"asked for IDs {', '.join(map(str, robot.ids))}"
+    remedy = "Is the battery on, the cable in, and is this their baud rate? serpenoid robot scan tries others."
+    return Refusal(where, f"no servo answers at {robot.bus.baud_rate} baud", asked, remedy)
 
 
 def _another_model(label: str, number: int, wanted: ServoModel) -> Refusal:

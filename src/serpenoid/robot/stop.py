@@ -1,4 +1,6 @@
-"""Waiting that ends at once: Ctrl-C, SIGTERM, hang-up, or the emergency stop key.
+"""Waiting that ends at once: Ctrl-C, Ctrl-Z, Ctrl-\\, SIGTERM, hang-up, or the emergency stop key.
+
+A program that Ctrl-Z suspends, or that Ctrl-\\ ends, would leave the servos holding with their torque on.
 
 Signals only set a flag, so that no packet is cut in half; the player asks for the flag between packets.
 """
@@ -20,7 +22,8 @@ from serpenoid.errors import StopRequested
 from serpenoid.robot.faults import EmergencyStop
 
 EMERGENCY_KEYS = {" ": "space", "q": "q", "Q": "q", "\x1b": "Esc"}
-SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGTSTP", "SIGBREAK")
+SIGNALS = [getattr(signal, name) for name in NAMES if hasattr(signal, name)]
 
 
 class StopWatcher:

@@ -62,9 +62,13 @@ class ServoWatch:
             )
 
     def _refuse_unreliable(self, failed: set[int]) -> None:
-        """A servo that answers only when asked again, reading after reading; single failures fade away."""
+        """A servo that answers only when asked again, reading after reading; single failures fade away.
+
+        Servos answer in turn: one that is late holds up those behind it, which are not to blame.
+        """
         for j, i in enumerate(self._ids):
-            score = self._unreliability[j] + (1.0 if i in failed else -FADING)
+            at_fault = i in failed and not (j and self._ids[j - 1] in failed)
+            score = self._unreliability[j] + (1.0 if at_fault else -FADING)
             self._unreliability[j] = max(0.0, score)
             if score >= UNRELIABLE:
                 text = "answers late or corrupt, reading after reading"

@@ -90,7 +90,7 @@ def write(path: Path, answers: Answers) -> str:
     steps = motion.steps_per_cycle
     cycle = motion.vertices[: steps + 1] * body.total_length_m
     poses = motion.poses[[0, steps]]
-    shown = cycle[:, _marked(body, problem.medium)]
+    shown = cycle[:, _marked(body)]
     _write_motion(folder / EXAMPLE / "motion.csv", shown, poses, duration, body.total_length_m)
     hint = write_schema(folder, "campaign")
     write_text(path, _text(hint, folder.absolute().name, body, problem.medium, duration, answers))
@@ -142,13 +142,12 @@ def _text(hint: str, name: str, body: Body, medium: Medium, duration: float, ans
     others = ", ".join(kind for kind in get_args(Kind) if kind != (body.kind or USUAL_KIND))
     unknown = "# " if body.is_animal and not answers["problem"] else ""
     prefix = "" if body.is_animal else "Robot:"
-    marked, labels = _marked(body, medium), _labels(body)
+    marked, labels = _marked(body), _labels(body)
     names = ", ".join(f'"{prefix}{labels[vertex]}"' for vertex in marked)
     markers = f"markers = [{names}]   # as the cameras call them, vertex 0 (tail) first"
     kind = READERS[answers["format"]]
     rigid = len(body.corners) < body.vertices
-    some = "" if len(marked) < body.vertices else "# "
-    seen = [f"{some}vertices = {body.corners}   # those with a marker, where not all have one"] * rigid
+    seen = [f"vertices = {marked}   # those with a marker: tail, joints and head; add others, and their names"] * rigid
     return "\n".join(
         [
             *_head(hint, name, FILMED if body.is_animal else PLAYED),
@@ -183,9 +182,10 @@ def _text(hint: str, name: str, body: Body, medium: Medium, duration: float, ans
     )
 
 
-def _marked(body: Body, medium: Medium) -> list[int]:
-    """Vertices that have a marker: of a smooth body's links their ends, what cuts them into edges is nothing to see."""
-    return body.corners if medium.dissipation == "edge" else list(range(body.vertices))
+def _marked(body: Body) -> list[int]:
+    """Vertices that have a marker: the ends of rigid links. What lies within them, a wheel or a cut into edges, moves
+    with them and is seldom marked."""
+    return body.corners
 
 
 def _medium(medium: Medium) -> tuple[str, ...]:

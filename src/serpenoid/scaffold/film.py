@@ -50,6 +50,8 @@ OF_A_FILM = (
     Question("individual", "Whose points, where the film shows several animals (empty: there is one)", "", str,
              only="film"),
 )  # fmt: skip
+ENDS = {"head": ("head", "snout", "nose", "rostrum"), "tail": ("tail",)}  # of names of points
+OTHER = {"head": "tail", "tail": "head"}
 LONG = {"time": "t", "point": "point", "x": "x", "y": "y"}
 
 
@@ -69,6 +71,7 @@ def campaign_of(answers: Answers, folder: Path) -> list[str]:
     points = [n for n, fragment in zip(tracks.names, tracks.unlabelled, strict=True) if not fragment]
     body = validate(Body, {"kind": answers["kind"], "vertices": len(points)}, str(film))
     if tracks.first_point is None:
+        _refuse_other_end(points, answers["first-point"])
         said |= {"first_point": answers["first-point"]}
     if READERS[answers["format"]].named:
         said |= {"markers": points[::-1] if said.pop("first_point", tracks.first_point) == "head" else points}
@@ -97,6 +100,16 @@ COMMENTS = {
     "markers": "   # tail first; leave out what is not on the midline, and count `vertices` again",
     "first_point": "   # the end of the body where the points begin: `measure` says which end leads",
 }
+
+
+def _refuse_other_end(points: list[str], said: str) -> None:
+    """Names of both end points may say where the head is."""
+    ends = [{end for end, words in ENDS.items() if any(word in name.casefold() for word in words)} for name in points]
+    if ends and (ends[0], ends[-1]) == ({OTHER[said]}, {said}):
+        raise InputError(
+            f"--first-point {said}: the first point of the film is `{points[0]}` and the last `{points[-1]}`. Give "
+            f"--first-point {OTHER[said]}."
+        )
 
 
 def _read(film: Path, answers: Answers) -> tuple[dict[str, Any], Tracks]:

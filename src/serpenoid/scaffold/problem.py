@@ -70,6 +70,13 @@ QUESTIONS = (
         joint_limit(LARGEST),
         of_robots=True,
     ),
+    Question(
+        "speed-limit",
+        "How fast may a joint turn, in rpm (57: XL430-W250-T servos without load at 11.1 V)?",
+        "57",
+        number(0, 1e4),
+        of_robots=True,
+    ),
     Question("cycle-duration", "Seconds per cycle", DURATION, or_empty(number(0, 600)), animals=UNKNOWN),
     Question(
         "dissipation",
@@ -161,8 +168,9 @@ def _of_servos(file: str, answers: Answers) -> str:
 def _limits(answers: Answers) -> str:
     """How far a joint may bend, and of what has servos how fast."""
     if answers["kind"] in ANIMALS:
-        mass, limit = answers["mass"], answers["joint-limit"]
+        mass, limit, speed = answers["mass"], answers["joint-limit"], answers["speed-limit"]
         lines = [] if mass is None else [f"mass_kg = {mass:g}"]
+        lines += [] if speed is None else [f"joint_speed_limit_rpm = {speed:g}"]
         known = (
             "# joint_limit_deg = 30         # how far the body bends at one vertex, if that is known; holds in solve"
         )
@@ -171,7 +179,7 @@ def _limits(answers: Answers) -> str:
         )
     return f"""mass_kg = {answers["mass"]:g}
 joint_limit_deg = {written(answers["joint-limit"])}         # holds in solve, check, export and play
-joint_speed_limit_rpm = 57.0  # of the servos: XL430-W250-T at 11.1 V"""
+joint_speed_limit_rpm = {answers["speed-limit"]:g}   # of the servos; holds where `cycle_duration_s` is given"""
 
 
 def _smooth(answers: Answers) -> bool:
