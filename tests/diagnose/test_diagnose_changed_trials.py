@@ -16,9 +16,10 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import Protocol, usual, with_joints
 from serpenoid.cli.main import main
-from serpenoid.diagnose.changed_trials import sides
-from serpenoid.diagnose.inference.finding import Divided
+from serpenoid.diagnose.changed_trials import mending_growth, sides
+from serpenoid.diagnose.inference.finding import Divided, Named, Stage
 from serpenoid.diagnose.residuals.in_some_trials import Cause, Differ, divided
+from serpenoid.effects.active import ActiveEffect
 
 GAITS = 6
 PAIRS = [(g, g + GAITS) for g in range(GAITS)]
@@ -70,6 +71,35 @@ def test_what_grows_from_trial_to_trial_is_told_where_pairs_are_unlike() -> None
     assert found is not None
     assert not found.changed
     assert "grows from trial to trial" in found.words
+
+
+def test_what_grows_from_round_to_round_is_told_and_the_last_round_is_held_against_the_first() -> None:
+    pairs = [(g + r, g + r + 4) for g in range(4) for r in (0, 4)]
+    found = told(np.linspace(0, 12, 12), np.random.default_rng(9), pairs)
+    assert found is not None
+    assert found.perhaps
+    assert found.words.endswith("(to first order `one`) that grows from trial to trial")
+    assert found.changed == ("t8", "t9", "t10", "t11")
+    assert found.others == ("t0", "t1", "t2", "t3")
+    assert found.grows == pytest.approx(1.5 / 8)  # of what the last four differ from the first four by
+
+
+def test_what_differs_from_repeat_to_repeat_gait_by_gait_is_no_growth() -> None:
+    """Each gait's second and third repeat differ by as much from the one before: it may begin anew with every gait."""
+    pairs = [(g + r, g + r + 1) for g in range(0, 12, 3) for r in (0, 1)]
+    assert told(np.tile([0.0, 6.0, 12.0], 4), np.random.default_rng(10), pairs) is None
+
+
+def test_what_may_mend_a_cause_that_grows_is_a_stand_in() -> None:
+    def of(name: str, place: int | None, strength: float, low: float) -> Named:
+        effect = ActiveEffect.neutral(name, place)
+        return Named(effect, {p.name: (low, 1.0) for p in effect.effect.parameters}, strength)
+
+    every = (of("worn_wheel", 4, 10.0, 0.4), of("rolling_resistance", None, 3.0, 0.2), of("toe", None, 2.0, -0.1))
+    mended, kept = (mending_growth(Stage("motion", every), most) for most in (10 / 3, 0.0))
+    assert [(n.effect.name, n.stand_in) for n in mended.named] == [("worn_wheel", False), ("rolling_resistance", True)]
+    assert [n.effect.name for n in mended.undetected] == ["toe"]  # it may change nothing
+    assert kept.named == every
 
 
 def test_what_goes_again_acts_between_two_moments() -> None:

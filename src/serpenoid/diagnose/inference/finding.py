@@ -83,12 +83,14 @@ def excludable(chi2: float, least: float, count: float, band: float, slack: floa
 class Divided:
     """What acts in some trials alone. words: what is said of it; changed, others: names of trials, empty where it is
     not known which are which; perhaps: it may act in all of them, and show in some, unless those tell it by themselves.
+    grows: where it may grow from trial to trial, by how much it may differ within the changed ones, over what it is.
     """
 
     words: str
     changed: tuple[str, ...] = ()
     others: tuple[str, ...] = ()
     perhaps: bool = False
+    grows: float = 0.0
 
 
 def alone(changed: Sequence[str], others: Sequence[str]) -> str:

@@ -123,6 +123,8 @@ def _why_doubted(record: Record, seen: bool) -> str:
         return "beside what is named, paths are off by more than the noise"
     if record.get("parts_differ_by"):
         return f"parts that differ a little (by {record['parts_differ_by']}) explain as much as the stand-ins"
+    if record.get("may_differ_by"):
+        return "what acts may grow from trial to trial: stand-ins may mend what one size of it for all of these leaves"
     if not record["reference"]:
         return "stand-ins do less than paths are off by beside them, though in so few windows noise may make as much"
     return "the reference follows a law that the catalogue lacks: stand-ins may mend only that law"
@@ -292,7 +294,9 @@ def changed_trials(record: Record) -> list[str]:
     answer = told["diagnosis"]
     names, beside = alone(told["trials"], told["others"]), "the reference" if record["reference"] else "the others"
     causes = few([title(e) for e in answer["effects"]]) if answer["effects"] else "no effect named"
-    return [f"{names}, diagnosed beside {beside}: {answer['verdict']}", causes]
+    growing = answer.get("may_differ_by")  # none in older answers
+    size = f"it may grow from trial to trial: within these by {growing:.0%} to either side of what is told"
+    return [f"{names}, diagnosed beside {beside}: {answer['verdict']}", causes, *([size] if growing else [])]
 
 
 def changed_report(record: Record) -> str:

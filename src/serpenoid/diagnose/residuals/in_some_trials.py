@@ -12,7 +12,8 @@ pair, so pairs are weighed as in a model of random effects (DerSimonian and Lair
 Trials are taken to be listed in the order in which they were played. A cause that began takes one moment;
 what takes its place must leave less than LAW_ERROR of what that leaves: one that went again, or that grows evenly from
 trial to trial (s: how many were before it). Repeats that were all played as many trials later do not tell growth from a
-beginning.
+beginning if there are two of each setting; of three rounds the middle one does, and the last is held against the first.
+Gait by gait, what differs by as much from one repeat to the next need not grow from gait to gait: nothing is told.
 
 Legend: T trials, P pairs, K windows that were played twice, S ways to divide trials, C numbers of a cause.
 """
@@ -149,19 +150,34 @@ def divided(
     for other in (grew, went):
         if _told(other, squares) and (best is None or other.left < LAW_ERROR**2 * best.left):
             best = other
-    if best is grew and grew.left > LAW_ERROR**2 * each.left:
-        best = None  # every repeat differs by as much from the one before it
+    rounds = bool((np.diff(later) >= 0).all())
+    if best is grew and not rounds and grew.left > LAW_ERROR**2 * each.left:
+        best = None  # every repeat differs by as much from the one before it, whenever it was played
     if best is None:
         return None
     share = f"{1 - best.left / squares:.0%} of what repeats differ by is one cause (to first order {best.called})"
     if best is grew:
-        return Divided(f"something changes all through the campaign: {share} that grows from trial to trial")
+        words = f"something changes all through the campaign: {share} that grows from trial to trial"
+        words += ", or began with the second round" if rounds and later[-1] == 1 else ""
+        ends = (later == later[-1], later == later[0]) if rounds else ([], [])
+        last, first = (tuple(n for n, x in zip(names, of, strict=False) if x) for of in ends)
+        return Divided(words, last, first, perhaps=True, grows=_within(last, first, names))
     changed, others = (tuple(n for n, x in zip(names, of, strict=True) if x) for of in (best.acts, best.rests))
     perhaps = _told(grew, squares) and grew.left < best.left / LAW_ERROR**2
+    grows = _within(changed, others, names) if perhaps else 0.0
     instead = ", or which grows from trial to trial" if perhaps else ""
     few = min(changed, others, key=len)
     apart = f"{listed([f'`{name}`' for name in few])} differ{'' if few[1:] else 's'} from the other trials{instead}"
-    return Divided(f"something changed amid the campaign: {share} by which {apart}", changed, others, perhaps)
+    return Divided(f"something changed amid the campaign: {share} by which {apart}", changed, others, perhaps, grows)
+
+
+def _within(changed: Sequence[str], others: Sequence[str], names: Sequence[str]) -> float:
+    """What grows evenly from trial to trial: how far it is, in one of the changed trials, from what it is in their
+    mean, over how far that is from the others' mean."""
+    if not changed or not others:
+        return 0.0
+    acts, rests = (np.array([names.index(n) for n in side], dtype=float) for side in (changed, others))
+    return float(np.abs(acts - acts.mean()).max() / abs(acts.mean() - rests.mean()))
 
 
 def _told(found: _Found, squares: float) -> bool:

@@ -28,10 +28,11 @@ def trials_astray(data: Plays, played: Floats, joint: int) -> Divided | None:
     squares = np.array([data.structure_of(left, mine) for mine in trials])
     astray = squares > VISIBLE**2
     mine = astray[:, joint]
-    if mine.all():
-        return _trend(data, played, left, joint)
     if not mine.any():
         return None
+    trend = _trend(data, played, left, joint)  # a first trial that has little of it does as it was told
+    if mine.all() or (trend is not None and _gains(played, left, mine[data.trials])[1][joint] > MOSTLY):
+        return trend
     clear = far_less(squares[~mine], squares[mine])
     if not clear[joint]:
         return None
