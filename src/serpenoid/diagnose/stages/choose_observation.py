@@ -27,6 +27,7 @@ from serpenoid.diagnose.stages.marker_evidence import (
     sample,
     structure_by_trial,
 )
+from serpenoid.diagnose.stages.seen_by_trial import seen_by_trial
 from serpenoid.diagnose.stages.told_lengths import instead_of_effects
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import find, marking
@@ -72,6 +73,10 @@ def choose_observation(
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     left, words, squares, new, divided = _left_over(best, before)
+    slips = seen_by_trial(recordings, best, FULL_FITS) if any(new) and not (divided and divided.changed) else None
+    if slips is not None:  # which of a marker, a horn, or the scale it is that slips: one channel does not say
+        words, divided = (words[0], slips.words), Divided(slips.words)
+        refused = tuple(w for w in refused if not any(w.startswith(f"{e} would") for e in slips.called))
     mend = other if any(n.stand_in for n in named) else None
     words += () if mend is None else (mend.words,)
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)

@@ -63,7 +63,7 @@ def law_by_trial(data: Plays, found: Sequence[ActiveEffect], suspects: Sequence[
     if len(acts) < LEAST:
         return None
     joints = data.readings.shape[1]
-    return _said([effects[t] for t in acts], [data.recordings[t].name for t in acts], joints)
+    return said_by_trial([effects[t] for t in acts], [data.recordings[t].name for t in acts], joints)
 
 
 def _groups(suspects: Sequence[ActiveEffect]) -> list[list[Key]]:
@@ -105,23 +105,29 @@ def _beyond(data: Plays, chi2: Floats) -> Floats:
     return np.maximum(chi2 / data.often - 1, 0.0)
 
 
-def _said(effects: Sequence[Sequence[ActiveEffect]], names: Sequence[str], joints: int) -> ByTrial:
-    """How values of an effect, in the mean of several joints, run from trial to trial."""
-    runs, steady = [], _steady(np.array([np.mean([e.coordinates[0] for e in of]) for of in effects]))
-    first_of = effects[0][0]
-    for p in first_of.effect.parameters:
-        values = np.array([np.mean([e.parameters[p.name] for e in of]) for of in effects])
-        first, last = (0, -1) if steady else (int(values.argmin()), int(values.argmax()))
-        unit = "" if p.unit == "1" else f" {p.unit}"
-        runs.append(
-            f"{p.name} {values[first]:.3g}{unit} in `{names[first]}`, {values[last]:.3g}{unit} in `{names[last]}`"
-        )
+def said_by_trial(effects: Sequence[Sequence[ActiveEffect]], names: Sequence[str], joints: int) -> ByTrial:
+    """How values of an effect, in the mean of several joints, run from trial to trial; joints: of the body."""
+    of = effects[0][0]
+    numbers = [[np.mean([e.parameters[p.name] for e in some]) for p in of.effect.parameters] for some in effects]
+    values, units = np.array(numbers), [p.unit for p in of.effect.parameters]
+    way = values @ (values[-1] - values[0]) if len(set(units)) == 1 else values[:, 0]  # of one kind: how far they run
+    steady, runs = _steady(way), []
+    for p, run in zip(of.effect.parameters, values.T, strict=True):
+        first, last = (0, -1) if steady else (int(run.argmin()), int(run.argmax()))
+        told = (f"{_told(run[t], p.unit, np.abs(run).max())} in `{names[t]}`" for t in (first, last))
+        runs.append(f"{p.name} {', '.join(told)}")
     how = "changes steadily" if steady else "differs"
     where = "all joints" if len(effects[0]) == joints else f"joints {listed([str(e.place) for e in effects[0]])}"
-    called = first_of.called if len(effects[0]) == 1 else f"{first_of.name} at {where}"
-    mean = "" if len(effects[0]) == 1 else " in the mean"
-    words = f"{called} {how} from trial to trial: {'; '.join(runs)}{mean}"
+    called, mean = (of.called, "") if len(effects[0]) == 1 else (f"{of.name} at {where}", " in the mean")
+    words = f"{called} {how} from trial to trial: {', and '.join(runs)}{mean}"
     return ByTrial(words, steady, tuple(e.called for e in effects[0]))
+
+
+def _told(value: float, unit: str, largest: float) -> str:
+    """A value of a run, by three digits of its largest."""
+    scale, unit = (1e3, " mm") if unit == "m" else (1.0, "" if unit == "1" else f" {unit}")
+    digits = 2 - int(np.floor(np.log10(max(scale * largest, 1e-12))))
+    return f"{round(scale * value, digits) + 0.0:g}{unit}"
 
 
 def _steady(values: Floats) -> bool:

@@ -1,0 +1,51 @@
+"""Does what markers show beside the servos differ from trial to trial, as where a marker peels off or a horn slips?
+
+One value for all trials leaves more than its error then. Every effect is fitted to each trial by itself, beside what is
+found: to first order, and the best of them to the end. The cheapest counts, each trial's numbers at their price, if it
+leaves less than LAW_ERROR of what was left.
+
+Legend: T trials.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from serpenoid.diagnose.data.columns import columns_of
+from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.inference.law_error import LAW_ERROR
+from serpenoid.diagnose.inference.prices import Priced, cheapest
+from serpenoid.diagnose.stages.law_by_trial import LEAST, ByTrial, said_by_trial
+from serpenoid.diagnose.stages.looked import Key, Looked, effect_of, solved
+from serpenoid.diagnose.stages.marker_evidence import sample
+from serpenoid.parallel import in_processes
+
+
+def seen_by_trial(recordings: Sequence[Recording], best: Looked, full_fits: int) -> ByTrial | None:
+    """How the effect that costs least so differs, beside what is found in all trials; None where none does. full_fits:
+    how many effects, those that are best to first order, are fitted to the end."""
+    if len(recordings) < LEAST:
+        return None
+    parts = [replace(best, data=sample([r])) for r in recordings]
+    body, count = best.data.body, sum(p.data.count for p in parts)
+    every = [*best.keys, *best.others]
+    first = [sum(p.sums.chi2(columns_of(body, *key)) for p in parts) for key in every]
+    tried = [every[i] for i in np.argsort(first)[:full_fits]]
+    fits = in_processes([(_fitted, (parts, key)) for key in tried])
+    left = [sum(p.priced.chi2 for p in of) for of in fits]
+    numbers = [len(parts) * len(columns_of(body, *key)) for key in tried]
+    before = sum(p.priced.chi2 for p in parts)
+    prices = [Priced(chi2, n, count) for chi2, n in zip(left, numbers, strict=True)]
+    found = cheapest(Priced(before, 0, count), prices, len(every))
+    if found is None or left[found] - count > LAW_ERROR**2 * (before - count):
+        return None
+    effects = [[effect_of(p, tried[found])] for p in fits[found]]
+    return said_by_trial(effects, [r.name for r in recordings], body.joint_count)
+
+
+def _fitted(parts: Sequence[Looked], key: Key) -> list[Looked]:
+    """Each trial with this effect as it has it, what else is found as it is in all of them."""
+    return [replace(p, now=solved(p.data, p.now, (key,), p.sums)) for p in parts]
