@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from serpenoid.diagnose.data.columns import all_keys
+from serpenoid.diagnose.data.markers_by_trial import put_back
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import over_markers
 from serpenoid.diagnose.data.observation import Observation
@@ -146,7 +147,8 @@ def diagnose(
     believed = shapes_believed(recordings, seen, observation, baseline)
     words = (*observation.words, *filter(None, [believed.words]))
     observation = replace(observation, words=words, named=(*observation.named, *believed.named))
-    motion = choose_motion(believed.recordings, believed.seen, baseline, say, searched)
+    shown = put_back(believed.recordings, believed.seen, observation.each)
+    motion = choose_motion(shown, believed.seen, baseline, say, searched)
     baseline = motion.baseline or baseline
     motion = beside_changes(motion, (actuation, observation), baseline, seen)
     stages = (actuation, observation, motion.stage)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
+from serpenoid.diagnose.data.observation import Observation
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.wording import listed
 
@@ -112,6 +113,7 @@ class Stage:
     squares: of the markers' stage, of each channel and of all together, what nothing accounts for in units of noise.
     news: of that stage, too, of each channel, which share of what is left was not left before, if visibly; else 0.
     mend: what to mend in the campaign before the rest is believed. divided: how trials are by what acts in some alone.
+    each: of that stage, the observation model of each trial, where markers are elsewhere in each.
     """
 
     name: str
@@ -132,6 +134,7 @@ class Stage:
     news: tuple[float, ...] = ()
     mend: str = ""
     divided: Divided | None = None
+    each: tuple[Observation, ...] = ()
 
     @property
     def settled(self) -> bool:

@@ -74,16 +74,18 @@ def choose_observation(
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     left, words, squares, new, divided = _left_over(best, before)
     slips = seen_by_trial(recordings, best, FULL_FITS) if any(new) and not (divided and divided.changed) else None
+    each: tuple[Observation, ...] = ()
     if slips is not None:  # which of a marker, a horn, or the scale it is that slips: one channel does not say
-        words, divided = (words[0], slips.words), Divided(slips.words)
-        refused = tuple(w for w in refused if not any(w.startswith(f"{e} would") for e in slips.called))
+        told, each = slips
+        words, divided = (words[0], told.words), Divided(told.words)
+        refused = tuple(w for w in refused if not any(w.startswith(f"{e} would") for e in told.called))
     mend = other if any(n.stand_in for n in named) else None
     words += () if mend is None else (mend.words,)
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
     words = (*words, *beyond.values(), *unknown, *(RIDES.format(vertex=k) for k in torn), *refused)
     first = "" if mend is None else mend.remedy
     said = Stage("observation", named, rivals, undetected, left, words, squares=squares, news=new, mend=first)
-    return replace(said, divided=divided), best.now
+    return replace(said, divided=divided, each=each), best.now
 
 
 def _effects(found: Looked) -> list[ActiveEffect]:

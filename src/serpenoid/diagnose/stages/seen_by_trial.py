@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from serpenoid.diagnose.data.columns import columns_of
+from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.prices import Priced, cheapest
@@ -24,9 +25,11 @@ from serpenoid.diagnose.stages.marker_evidence import sample
 from serpenoid.parallel import in_processes
 
 
-def seen_by_trial(recordings: Sequence[Recording], best: Looked, full_fits: int) -> ByTrial | None:
-    """How the effect that costs least so differs, beside what is found in all trials; None where none does. full_fits:
-    how many effects, those that are best to first order, are fitted to the end."""
+def seen_by_trial(
+    recordings: Sequence[Recording], best: Looked, full_fits: int
+) -> tuple[ByTrial, tuple[Observation, ...]] | None:
+    """How the effect that costs least so differs, beside what is found in all trials, and each trial's own model; None
+    where none does. full_fits: how many effects, those that are best to first order, are fitted to the end."""
     if len(recordings) < LEAST:
         return None
     parts = [replace(best, data=sample([r])) for r in recordings]
@@ -43,7 +46,8 @@ def seen_by_trial(recordings: Sequence[Recording], best: Looked, full_fits: int)
     if found is None or left[found] - count > LAW_ERROR**2 * (before - count):
         return None
     effects = [[effect_of(p, tried[found])] for p in fits[found]]
-    return said_by_trial(effects, [r.name for r in recordings], body.joint_count)
+    said = said_by_trial(effects, [r.name for r in recordings], body.joint_count)
+    return said, tuple(p.now for p in fits[found])
 
 
 def _fitted(parts: Sequence[Looked], key: Key) -> list[Looked]:
