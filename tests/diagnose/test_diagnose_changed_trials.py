@@ -18,6 +18,7 @@ from blind.protocol import Protocol, usual, with_joints
 from serpenoid.cli.main import main
 from serpenoid.diagnose.changed_trials import mending_growth, sides
 from serpenoid.diagnose.inference.finding import Divided, Named, Stage
+from serpenoid.diagnose.report.sentences import changed_trials
 from serpenoid.diagnose.residuals.in_some_trials import Cause, Differ, divided
 from serpenoid.effects.active import ActiveEffect
 
@@ -100,6 +101,18 @@ def test_what_may_mend_a_cause_that_grows_is_a_stand_in() -> None:
     assert [(n.effect.name, n.stand_in) for n in mended.named] == [("worn_wheel", False), ("rolling_resistance", True)]
     assert [n.effect.name for n in mended.undetected] == ["toe"]  # it may change nothing
     assert kept.named == every
+
+
+@pytest.mark.parametrize("differ", [{}, {"may_differ_by": None}, {"may_differ_by": 0.25}])
+def test_how_much_it_may_grow_is_said_where_it_may(differ: dict[str, float | None]) -> None:
+    answer = {"verdict": "explained", "effects": [], **differ}
+    said = changed_trials(
+        {"changed_trials": {"diagnosis": answer, "trials": ["b"], "others": ["a"]}, "reference": None}
+    )
+    assert said[:2] == ["`b`, diagnosed beside the others: explained", "no effect named"]
+    assert [s.partition(":")[2] for s in said[2:]] == [
+        f" within these by {x:.0%} to either side of what is told" for x in differ.values() if x
+    ]
 
 
 def test_what_goes_again_acts_between_two_moments() -> None:

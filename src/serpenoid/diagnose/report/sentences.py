@@ -294,9 +294,9 @@ def changed_trials(record: Record) -> list[str]:
     answer = told["diagnosis"]
     names, beside = alone(told["trials"], told["others"]), "the reference" if record["reference"] else "the others"
     causes = few([title(e) for e in answer["effects"]]) if answer["effects"] else "no effect named"
-    growing = answer.get("may_differ_by")  # none in older answers
-    size = f"it may grow from trial to trial: within these by {growing:.0%} to either side of what is told"
-    return [f"{names}, diagnosed beside {beside}: {answer['verdict']}", causes, *([size] if growing else [])]
+    by = answer.get("may_differ_by") or 0.0  # none in older answers
+    size = f"it may grow from trial to trial: within these by {by:.0%} to either side of what is told"
+    return [f"{names}, diagnosed beside {beside}: {answer['verdict']}", causes, *([size] if by else [])]
 
 
 def changed_report(record: Record) -> str:
