@@ -17,7 +17,7 @@ from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.stages.looked import Looked
 from serpenoid.diagnose.stages.marker_evidence import sample
-from serpenoid.diagnose.stages.seen_by_trial import seen_by_trial
+from serpenoid.diagnose.stages.seen_by_trial import seen_by_trial, slipping
 
 FITS = 6
 
@@ -43,7 +43,7 @@ def peeling(r: Recording, along: float, left: float) -> Recording:
     return replace(r, markers=moved)
 
 
-def slipping(r: Recording, angle: float) -> Recording:
+def slipped(r: Recording, angle: float) -> Recording:
     """Joint 5 bent beyond its reading."""
     pose = register(shapes(r.body, r.angles), r.markers)[0]
     bent = r.angles + angle * (np.arange(r.angles.shape[1]) == 4)
@@ -55,7 +55,7 @@ def test_a_marker_that_peels_off_is_told_with_its_way(recordings: tuple[Recordin
     found = tuple(peeling(r, 0.004 * x, -0.012 * x) for r, x in zip(recordings, shares, strict=True))
     by_trial = seen_by_trial(found, looked(found), FITS)
     assert by_trial is not None
-    told, alone = by_trial
+    told, alone = by_trial.told, by_trial.models
     assert told.steady
     assert told.called == ("marker_offset at vertex 5",)
     first, last = recordings[0].name, recordings[-1].name
@@ -70,10 +70,10 @@ def test_a_marker_that_peels_off_is_told_with_its_way(recordings: tuple[Recordin
 
 def test_a_horn_that_slips_is_no_marker(recordings: tuple[Recording, ...]) -> None:
     shares = np.linspace(0, 1, len(recordings))
-    found = tuple(slipping(r, 0.15 * x) for r, x in zip(recordings, shares, strict=True))
+    found = tuple(slipped(r, 0.15 * x) for r, x in zip(recordings, shares, strict=True))
     by_trial = seen_by_trial(found, looked(found), FITS)
     assert by_trial is not None
-    told, alone = by_trial
+    told, alone = by_trial.told, by_trial.models
     assert put_back(found, Observation.neutral(found[0].body), alone) == found  # joints are bent: no matter of markers
     assert told.called == ("zero_offset at joint 5",)
     assert f"0.15 rad in `{recordings[-1].name}`" in told.words
@@ -85,7 +85,21 @@ def test_a_step_is_no_steady_change_and_what_all_trials_share_or_none_shows_is_n
     half = tuple(peeling(r, 0.0, 0.01 * (i > 1)) for i, r in enumerate(recordings))
     stepped = seen_by_trial(half, looked(half), FITS)
     assert stepped is not None
-    assert not stepped[0].steady
-    assert "marker_offset at vertex 5 differs from trial to trial" in stepped[0].words
+    assert not stepped.told.steady
+    assert "marker_offset at vertex 5 differs from trial to trial" in stepped.told.words
     assert seen_by_trial(recordings, looked(recordings), FITS) is None
     assert seen_by_trial(recordings[:3], looked(recordings[:3]), FITS) is None
+
+
+def test_what_only_mends_a_marker_that_slips_is_taken_out_at_its_place(recordings: tuple[Recording, ...]) -> None:
+    """Both offsets of one marker in all trials, which nothing but its way from trial to trial tells apart."""
+    shares = np.linspace(0, 1, len(recordings))
+    found = tuple(peeling(r, -0.004 * x, 0.01 * x) for r, x in zip(recordings, shares, strict=True))
+    bare = looked(found)
+    both = bare.beside(("marker_offset", 5)).beside(("marker_offset_ahead", 5))
+    best, told = slipping(found, both, FITS)
+    assert told is not None
+    assert best.keys == ()
+    assert told.key == ("marker_offset", 5)
+    elsewhere = bare.beside(("marker_offset", 2))
+    assert slipping(found, elsewhere, FITS)[0] is elsewhere

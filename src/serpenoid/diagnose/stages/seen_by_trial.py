@@ -10,7 +10,7 @@ Legend: T trials.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,11 +25,34 @@ from serpenoid.diagnose.stages.marker_evidence import sample
 from serpenoid.parallel import in_processes
 
 
-def seen_by_trial(
-    recordings: Sequence[Recording], best: Looked, full_fits: int
-) -> tuple[ByTrial, tuple[Observation, ...]] | None:
-    """How the effect that costs least so differs, beside what is found in all trials, and each trial's own model; None
-    where none does. full_fits: how many effects, those that are best to first order, are fitted to the end."""
+@dataclass(frozen=True)
+class SeenByTrial:
+    """An effect whose numbers are each trial's own, beside what is found in all of them: in words; models: of each
+    trial; key: which it is; priced: what all of it leaves, and how many numbers it has."""
+
+    told: ByTrial
+    models: tuple[Observation, ...]
+    key: Key
+    priced: Priced
+
+
+def slipping(recordings: Sequence[Recording], best: Looked, full_fits: int) -> tuple[Looked, SeenByTrial | None]:
+    """What is found in all trials, and the effect that differs beside it, if one does: without what was found at the
+    place of that one, if the two together cost less so. Several effects of one marker may mend what one of them, which
+    slips, leaves. full_fits: how many effects, those that are best to first order, are fitted to the end."""
+    found = seen_by_trial(recordings, best, full_fits)
+    there = [] if found is None else [i for i, key in enumerate(best.keys) if key[1] == found.key[1] is not None]
+    if found is None or not there:
+        return best, found
+    less = best
+    for i in reversed(there):
+        less = less.without_one(i)
+    other = seen_by_trial(recordings, less, full_fits)
+    return (best, found) if other is None or cheapest(found.priced, [other.priced], 1) is None else (less, other)
+
+
+def seen_by_trial(recordings: Sequence[Recording], best: Looked, full_fits: int) -> SeenByTrial | None:
+    """The effect that costs least so, beside what is found in all trials; None where none differs."""
     if len(recordings) < LEAST:
         return None
     parts = [replace(best, data=sample([r])) for r in recordings]
@@ -47,7 +70,9 @@ def seen_by_trial(
         return None
     effects = [[effect_of(p, tried[found])] for p in fits[found]]
     said = said_by_trial(effects, [r.name for r in recordings], body.joint_count)
-    return said, tuple(p.now for p in fits[found])
+    all_numbers = numbers[found] + len(best.own)
+    models = tuple(p.now for p in fits[found])
+    return SeenByTrial(said, models, tried[found], Priced(left[found], all_numbers, count))
 
 
 def _fitted(parts: Sequence[Looked], key: Key) -> list[Looked]:
