@@ -76,4 +76,8 @@ def test_what_grows_from_nothing_is_told_as_growing_though_the_first_trials_foll
     found = trials_astray(Left(each), 20 * np.tile(TOLD, (4, 1)), 0)
     assert found is not None
     assert not found.changed
+    assert found.words.startswith("all joints move less from trial to trial: 1.00 times as far as told in `g0-1`, 0.70")
+    one = tuple(x * np.array([1.0, 0.0, 0.0]) for x in each)
+    found = trials_astray(Left(one), 20 * np.tile(TOLD, (4, 1)), 0)
+    assert found is not None
     assert found.words.startswith("joint 1 moves less from trial to trial: 1.00 times as far as told in `g0-1`, 0.70")

@@ -362,6 +362,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "discrepancy_m": d.motion.stage.discrepancy_m,
         "parts_differ_by": d.motion.stage.unlike or None,
         "may_differ_by": d.grows or None,
+        "hiding": d.motion.stage.hiding or None,
         "drag_ratio": d.drag_ratio and {
             "value": d.drag_ratio.value, "interval": [d.drag_ratio.low, d.drag_ratio.high],
             "by_frames": d.drag_ratio.by_frames,

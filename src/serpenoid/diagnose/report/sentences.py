@@ -75,7 +75,8 @@ def meaning(record: Record) -> str:
     else:
         weaker = ""
     hiding = record["verdict"] in SETTLED and (record.get("noise_over_markers") or 0.0) > OTHER_CHANCE
-    return said + weaker + HIDING * hiding + noisier(record)
+    which = f" ({record['hiding']})" if record.get("hiding") else ""
+    return said + weaker + f"{HIDING}{which}" * hiding + noisier(record)
 
 
 def noisier(record: Record) -> str:
@@ -364,9 +365,15 @@ def chance(record: Record) -> list[str]:
         return [f"what the model leaves is {ratio:.2g} times the markers' noise"]
     if record["noise_from"] == "cycles":
         return [f"cycles of one trial differ by {ratio:.2g} times the markers' noise"]
+    hiding = record.get("hiding")  # none in older answers
     return [
         f"repeats differ by {ratio:.2g} times the markers' noise",
         "what acts on one repeat and not on the other counts as noise, and hides what is smaller",
+        *(
+            [f"{hiding}: less than most of it, and yet hardly chance; look at these trials and their repeats"]
+            if hiding
+            else []
+        ),
     ]
 
 
