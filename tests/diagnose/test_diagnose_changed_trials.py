@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -16,9 +16,11 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import Protocol, usual, with_joints
 from serpenoid.cli.main import main
-from serpenoid.diagnose.changed_trials import sides
-from serpenoid.diagnose.inference.finding import Divided
-from serpenoid.diagnose.residuals.in_some_trials import Cause, Differ, divided
+from serpenoid.diagnose.changed_trials import mending_growth, sides
+from serpenoid.diagnose.inference.finding import Divided, Named, Stage
+from serpenoid.diagnose.report.sentences import changed_trials
+from serpenoid.diagnose.residuals.in_some_trials import Cause, Differ, divided, divided_or_hint
+from serpenoid.effects.active import ActiveEffect
 
 GAITS = 6
 PAIRS = [(g, g + GAITS) for g in range(GAITS)]
@@ -30,6 +32,7 @@ def told(
     rng: np.random.Generator,
     pairs: Sequence[tuple[int, int]] = PAIRS,
     sign: int = 0,
+    by: Callable[..., Divided | None] = divided,
 ) -> Divided | None:
     """Of trials in which the first of three causes acts by so much, with chance in 40 windows of every pair."""
     slopes = rng.normal(size=(len(pairs), 40, 3)) * rng.uniform(0.5, 2, (len(pairs), 1, 1))
@@ -42,7 +45,7 @@ def told(
         for i, name in enumerate(["`one`", "`two`", "`three`"])
     ]  # fmt: skip
     differ = Differ(np.array([(d**2).sum() for d in differences]), np.full(len(pairs), 40.0))
-    return divided(differ, causes, pairs, [f"t{i}" for i in range(len(theta))])
+    return by(differ, causes, pairs, [f"t{i}" for i in range(len(theta))])
 
 
 def test_what_began_amid_the_campaign_is_told_with_its_trials() -> None:
@@ -70,6 +73,59 @@ def test_what_grows_from_trial_to_trial_is_told_where_pairs_are_unlike() -> None
     assert found is not None
     assert not found.changed
     assert "grows from trial to trial" in found.words
+
+
+def test_what_grows_from_round_to_round_is_told_and_the_last_round_is_held_against_the_first() -> None:
+    pairs = [(g + r, g + r + 4) for g in range(4) for r in (0, 4)]
+    found = told(np.linspace(0, 12, 12), np.random.default_rng(9), pairs)
+    assert found is not None
+    assert found.perhaps
+    assert found.words.endswith("(to first order `one`) that grows from trial to trial")
+    assert found.changed == ("t8", "t9", "t10", "t11")
+    assert found.others == ("t0", "t1", "t2", "t3")
+    assert found.grows == pytest.approx(1.5 / 8)  # of what the last four differ from the first four by
+
+
+def test_less_than_most_that_is_no_chance_is_a_hint_alone() -> None:
+    """Windows of which noise is more than half: twelve pairs agree on the cause, and it is a third of their squares."""
+    pairs = [(g, g + 12) for g in range(12)]
+    theta, rng = np.r_[np.zeros(12), np.full(12, 0.6)], np.random.default_rng(11)
+    found = told(theta, rng, pairs, by=divided_or_hint)
+    assert told(theta, rng, pairs) is None
+    assert found is not None
+    assert found.hint
+    assert not found.changed
+    assert "(to first order `one`) by which " in found.words
+
+
+def test_what_differs_from_repeat_to_repeat_gait_by_gait_is_no_growth() -> None:
+    """Each gait's second and third repeat differ by as much from the one before: it may begin anew with every gait."""
+    pairs = [(g + r, g + r + 1) for g in range(0, 12, 3) for r in (0, 1)]
+    assert told(np.tile([0.0, 6.0, 12.0], 4), np.random.default_rng(10), pairs) is None
+
+
+def test_what_may_mend_a_cause_that_grows_is_a_stand_in() -> None:
+    def of(name: str, place: int | None, strength: float, low: float) -> Named:
+        effect = ActiveEffect.neutral(name, place)
+        return Named(effect, {p.name: (low, 1.0) for p in effect.effect.parameters}, strength)
+
+    every = (of("worn_wheel", 4, 10.0, 0.4), of("rolling_resistance", None, 3.0, 0.2), of("toe", None, 2.0, -0.1))
+    mended, kept = (mending_growth(Stage("motion", every), most) for most in (10 / 3, 0.0))
+    assert [(n.effect.name, n.stand_in) for n in mended.named] == [("worn_wheel", False), ("rolling_resistance", True)]
+    assert [n.effect.name for n in mended.undetected] == ["toe"]  # it may change nothing
+    assert kept.named == every
+
+
+@pytest.mark.parametrize("differ", [{}, {"may_differ_by": None}, {"may_differ_by": 0.25}])
+def test_how_much_it_may_grow_is_said_where_it_may(differ: dict[str, float | None]) -> None:
+    answer = {"verdict": "explained", "effects": [], **differ}
+    said = changed_trials(
+        {"changed_trials": {"diagnosis": answer, "trials": ["b"], "others": ["a"]}, "reference": None}
+    )
+    assert said[:2] == ["`b`, diagnosed beside the others: explained", "no effect named"]
+    assert [s.partition(":")[2] for s in said[2:]] == [
+        f" within these by {x:.0%} to either side of what is told" for x in differ.values() if x
+    ]
 
 
 def test_what_goes_again_acts_between_two_moments() -> None:
@@ -110,6 +166,9 @@ def test_a_cause_of_another_size_in_each_trial_has_no_moment() -> None:
 def test_chance_alone_has_none() -> None:
     rng = np.random.default_rng(7)
     assert sum(told(np.zeros(12), rng) is not None for _ in range(200)) == 0
+    assert (
+        sum(told(np.zeros(12), rng, by=divided_or_hint) is not None for _ in range(400)) <= 10
+    )  # as above: 4 expected
 
 
 def test_a_repeat_of_which_nothing_is_told_is_on_the_side_of_its_setting() -> None:

@@ -78,6 +78,29 @@ def test_a_step_or_a_scatter_is_no_steady_change(recordings: tuple[Recording, ..
     assert found.words.startswith("servo_lag differs from trial to trial: ")
 
 
+def test_what_weakens_every_joint_alike_is_told_of_all_together(recordings: tuple[Recording, ...]) -> None:
+    """A battery that sags: one joint's law leaves what the others' do, and all of them leave nothing."""
+
+    def weak(r: Recording, loss: float) -> Recording:
+        rng = np.random.default_rng(5)
+        r = replace(r, schedule=replace(r.schedule, held=False), told=None, commands=None, t0_spread=0.0)
+        done = (1 - loss) * r.schedule.commanded(r.read_at)
+        return replace(r, position=TICK * np.round(done / TICK + 0.4 * rng.normal(size=done.shape)))
+
+    losses = [0.05, 0.1, 0.15, 0.2]
+    played = [weak(r, loss) for r, loss in zip(recordings, losses, strict=True)]
+    data = replace(plays(played, held=False), told=True)
+    joints = range(1, data.readings.shape[1] + 1)
+    suspects = [ActiveEffect.neutral("gain_loss", j).with_coordinates([0.1]) for j in joints]
+    found = law_by_trial(data, [], suspects)
+    assert found is not None
+    assert found.steady
+    assert found.called == tuple(e.called for e in suspects)
+    first, last = (r.name for r in (data.recordings[0], data.recordings[-1]))
+    how = "changes steadily from trial to trial"
+    assert found.words == f"gain_loss at all joints {how}: loss 0.05 in `{first}`, 0.2 in `{last}` in the mean"
+
+
 def test_a_law_that_all_trials_share_does_not_differ(recordings: tuple[Recording, ...]) -> None:
     data = lagging(recordings, [0.05] * 4)
     assert law_by_trial(data, [LAG], [LAG]) is None

@@ -271,6 +271,31 @@ def test_a_film_of_another_scale_bends_no_joint_where_there_is_no_log(tmp_path: 
     assert not stage.named
 
 
+def test_films_of_different_scales_are_each_taken_in_their_own_where_there_is_no_log(tmp_path: Path) -> None:
+    """A camera that was moved between two trials: later films are 2.5 % larger."""
+    write(make(SEED, [], protocol=protocol(2)), tmp_path)
+    campaign = tmp_path / "campaign.toml"
+    text = re.sub(r"(?m)^servo_log = .*\n", "", campaign.read_text())
+    campaign.write_text(text)
+    before = read_recordings(campaign)[1]
+    later = [r.name for r in before][len(before) // 2 :]
+    for name, motion in re.findall(r'name = "(.*)"\n(?:(?!\[\[)[^\n]*\n)*?motion = "(.*)"', text):
+        if name in later:
+            film = tmp_path / motion
+            head, *rows = film.read_text().splitlines()
+            cells = [row.split(",") for row in rows]
+            larger = [[t, *(f"{1.025 * float(x):.6f}" if x else "" for x in xs)] for t, *xs in cells]
+            film.write_text("\n".join([head, *map(",".join, larger)]) + "\n")
+    read = read_recordings(campaign)[1]
+    said = {r.name: [remark.words for remark in r.remarks if "camera moved" in remark.words] for r in read}
+    assert [name for name, words in said.items() if words] == later
+    factors = [re.search(r"Taken here times ([0-9.]+), ", words) for name in later for words in said[name]]
+    assert [float(f[1]) for f in factors if f] == pytest.approx([1 / 1.025] * len(later), rel=1e-3)
+    for one, other in zip(before, read, strict=True):
+        np.testing.assert_allclose(other.markers, one.markers, rtol=1e-3, atol=1e-4)
+    assert choose_actuation(plays(read)).settled
+
+
 def test_a_start_that_labels_leave_open_moves_corners_and_is_no_lag(four: tuple[Recording, ...]) -> None:
     """Rows of 60 ms on straight lines, a log of 25 Hz whose labels say when they were due to 5 ms: moved to first
     order, every corner is missed by as much, which passed for noise, or a lag took a part of it away."""

@@ -68,3 +68,16 @@ def test_how_far_joints_go_is_told_where_that_is_what_they_stray_by(gain):
     found = trials_astray(Left((wave(0.1), wave(0.1), told)), 20 * np.tile(TOLD, (3, 1)), 0)
     assert found is not None
     assert found.words == f"all joints stray in `g2` alone, {gain:.2f} times as far as told"
+
+
+def test_what_grows_from_nothing_is_told_as_growing_though_the_first_trials_follow():
+    """Of four trials the first does as it was told, and each after it moves a tenth less than the one before."""
+    each = tuple(wave(0.1) - 20 * gain * TOLD for gain in (0.0, 0.1, 0.2, 0.3))
+    found = trials_astray(Left(each), 20 * np.tile(TOLD, (4, 1)), 0)
+    assert found is not None
+    assert not found.changed
+    assert found.words.startswith("all joints move less from trial to trial: 1.00 times as far as told in `g0-1`, 0.70")
+    one = tuple(x * np.array([1.0, 0.0, 0.0]) for x in each)
+    found = trials_astray(Left(one), 20 * np.tile(TOLD, (4, 1)), 0)
+    assert found is not None
+    assert found.words.startswith("joint 1 moves less from trial to trial: 1.00 times as far as told in `g0-1`, 0.70")

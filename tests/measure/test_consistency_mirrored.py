@@ -62,3 +62,26 @@ def test_a_single_film_that_shows_the_body_from_its_other_end_is_told(kind, sign
     (found,) = check(claims, {"gait": UNEVEN}).contradictions
     assert (found.trial, found.kind) == ("t1", f"{kind}, in one film")
     assert cure in found.cure
+
+
+@pytest.mark.parametrize("commands", [False, True])
+def test_a_single_trial_that_was_played_mirrored_is_told_as_another_gait(commands):
+    """Log and film agree: the robot did what it was told, and that is not what the campaign names."""
+    claims = trials(UNEVEN, [2], logs=True)
+    for k, (claim, sign) in enumerate(zip(claims, (1, 1, -1, 1), strict=True)):
+        log = claim.servos
+        assert log is not None
+        assert claim.schedule is not None
+        told = Signal(log.time_s, sign * claim.schedule.commanded(log.time_s)) if commands else None
+        claims[k] = replace(claim, servos=Signal(log.time_s, sign * log.values), commands=told)
+    (found,) = check(claims, {"gait": UNEVEN}).contradictions
+    assert (found.trial, found.kind) == ("t2", "signs, in one trial")
+    assert found.cure == "was another gait than `gait` played in this trial? Name in `joint_table` what was"
+
+
+def test_a_log_whose_signs_are_flipped_in_every_trial_is_told_once_for_all():
+    claims = trials(UNEVEN, [], logs=True, count=2)
+    claims = [replace(c, servos=Signal(c.servos.time_s, -c.servos.values)) for c in claims if c.servos is not None]
+    found = check(claims, {"gait": UNEVEN}).contradictions
+    assert len(found) == 2
+    assert all("in this trial" not in one.cure and "flip the signs" in one.cure for one in found)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
-from serpenoid.diagnose.inference.finding import Divided
+from serpenoid.diagnose.inference.finding import Divided, Stage
 from serpenoid.diagnose.reference import reference_of
 from serpenoid.diagnose.stages.baseline import Baseline
 
@@ -49,7 +49,24 @@ def changed_trials(
     except NoPath:
         return None
     divided = replace(whole.divided, changed=tuple(r.name for r in changed), others=tuple(r.name for r in others))
+    found = beside_growth(found, divided.grows)
     return None if divided.perhaps and found.verdict != "explained" else ChangedTrials(divided, found, before)
+
+
+def beside_growth(found: Diagnosis, grows: float) -> Diagnosis:
+    """What is found of trials in each of which a cause may be of another size (`Divided.grows`)."""
+    motion, change = next(s for s in found.stages if s.name == "motion"), found.ratio_change
+    does = [n.strength for n in motion.named if n.effect.effect.moves] + ([change.strength] if change else [])
+    beside = mending_growth(motion, grows * max(does, default=0.0))
+    return replace(found, stages=tuple(beside if s is motion else s for s in found.stages), grows=grows)
+
+
+def mending_growth(stage: Stage, most: float) -> Stage:
+    """Names of the floor that do no more than so much, over the noise, may mend what one size of the largest leaves of
+    trials in which it differs by that: stand-ins, and no names where they may change nothing."""
+    every = [replace(n, stand_in=n.stand_in or (n.effect.effect.moves and n.strength <= most)) for n in stage.named]
+    named = tuple(n for n in every if not (n.stand_in and n.may_change_nothing))
+    return replace(stage, named=named, undetected=(*stage.undetected, *(n for n in every if n not in named)))
 
 
 def _as_it_was(

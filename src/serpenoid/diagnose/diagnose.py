@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from serpenoid.diagnose.data.columns import all_keys
+from serpenoid.diagnose.data.markers_by_trial import put_back
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import over_markers
 from serpenoid.diagnose.data.observation import Observation
@@ -78,7 +79,8 @@ class Diagnosis:
     held_out: every trial predicted by a fit to the other gaits, baseline and extended.
     baseline: what was taken for granted; seen: the observation model; extension: the fit that the extended model takes
     over, with what is too weak to be named where paths of held-out gaits need it. drag_ratio: of an animal, K if the
-    law of the answer is all there is. changed: trials in which something acts alone, if it does.
+    law of the answer is all there is. changed: trials in which something acts alone, if it does. grows: of such trials,
+    how much it may differ among them (`Divided.grows`).
     """
 
     verdict: str
@@ -94,6 +96,7 @@ class Diagnosis:
     drag_ratio: DragRatio | None = None
     ratio_change: RatioChange | None = None
     changed: ChangedTrials | None = None
+    grows: float = 0.0
 
     @property
     def divided(self) -> Divided | None:
@@ -144,7 +147,8 @@ def diagnose(
     believed = shapes_believed(recordings, seen, observation, baseline)
     words = (*observation.words, *filter(None, [believed.words]))
     observation = replace(observation, words=words, named=(*observation.named, *believed.named))
-    motion = choose_motion(believed.recordings, believed.seen, baseline, say, searched)
+    shown = put_back(believed.recordings, believed.seen, observation.each)
+    motion = choose_motion(shown, believed.seen, baseline, say, searched)
     baseline = motion.baseline or baseline
     motion = beside_changes(motion, (actuation, observation), baseline, seen)
     stages = (actuation, observation, motion.stage)
@@ -357,6 +361,8 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "law": {"name": law, "taken": taken or None, "rivals": rivals, "drag_at": d.motion.stage.drag_at},
         "discrepancy_m": d.motion.stage.discrepancy_m,
         "parts_differ_by": d.motion.stage.unlike or None,
+        "may_differ_by": d.grows or None,
+        "hiding": d.motion.stage.hiding or None,
         "drag_ratio": d.drag_ratio and {
             "value": d.drag_ratio.value, "interval": [d.drag_ratio.low, d.drag_ratio.high],
             "by_frames": d.drag_ratio.by_frames,

@@ -74,24 +74,30 @@ def _aligned(
 def _scaled(
     file: CampaignFile, read: Sequence[Files], said: Mapping[str, tuple[Remark, ...]]
 ) -> tuple[Sequence[Files], Mapping[str, tuple[Remark, ...]]]:
-    """Films of robots without servo logs in the scale in which links are as long as stated, and that said: shapes are
-    what markers show, and chains of other lengths would bend otherwise. With a log it is found as an effect."""
-    if not any(r.kind == "scale" for own in said.values() for r in own):
+    """Films of robots without servo logs in the scale in which links are as long as stated, all alike or each in its
+    own, and that said: shapes are what markers show, and chains of other lengths would bend otherwise. With a log it is
+    found as an effect."""
+    kinds = {r.kind for own in said.values() for r in own}
+    if not kinds & {"scale", "cameras"}:
         return read, said
     if any(f.servo_log is not None and not f.servo_log.repeats_commands for f in read):
         return read, said
     films = films_of(file, file.body, read)
-    share = None if films is None else all_longer(films.shown[0])
-    if films is None or share is None:
+    if films is None:
         return read, said
+    share = all_longer(films.shown[0]) if "scale" in kinds else None
+    scales = films.scales if share is None else dict.fromkeys(films.trials, float(np.log1p(share)))
+    taken = films.taken(scales) if share is None else dict.fromkeys(films.trials, Remark(taken_for_scale(share)))
     as_stated = [
-        replace(f, labelled=replace(f.labelled, vertices=f.labelled.vertices / (1 + share)))
-        if f.labelled is not None and f.entry.name in films.trials
+        replace(f, labelled=replace(f.labelled, vertices=f.labelled.vertices / np.exp(scales[f.entry.name])))
+        if f.labelled is not None and f.entry.name in scales
         else f
         for f in read
     ]
-    taken = Remark(taken_for_scale(share))
-    return as_stated, {name: tuple(taken if r.kind == "scale" else r for r in own) for name, own in said.items()}
+    kind = "cameras" if share is None else "scale"
+    return as_stated, {
+        name: tuple(taken.get(name, r) if r.kind == kind else r for r in own) for name, own in said.items()
+    }
 
 
 def _unread(files: Files) -> list[str]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
+from serpenoid.diagnose.data.observation import Observation
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.wording import listed
 
@@ -83,12 +84,16 @@ def excludable(chi2: float, least: float, count: float, band: float, slack: floa
 class Divided:
     """What acts in some trials alone. words: what is said of it; changed, others: names of trials, empty where it is
     not known which are which; perhaps: it may act in all of them, and show in some, unless those tell it by themselves.
+    grows: where it may grow from trial to trial, by how much it may differ within the changed ones, over what it is.
+    hint: it is less than most of what repeats differ by, and nothing follows but these words.
     """
 
     words: str
     changed: tuple[str, ...] = ()
     others: tuple[str, ...] = ()
     perhaps: bool = False
+    grows: float = 0.0
+    hint: bool = False
 
 
 def alone(changed: Sequence[str], others: Sequence[str]) -> str:
@@ -110,6 +115,8 @@ class Stage:
     squares: of the markers' stage, of each channel and of all together, what nothing accounts for in units of noise.
     news: of that stage, too, of each channel, which share of what is left was not left before, if visibly; else 0.
     mend: what to mend in the campaign before the rest is believed. divided: how trials are by what acts in some alone.
+    hiding: of the motion, what hides in its noise, if that can be told.
+    each: of that stage, the observation model of each trial, where markers are elsewhere in each.
     """
 
     name: str
@@ -130,6 +137,8 @@ class Stage:
     news: tuple[float, ...] = ()
     mend: str = ""
     divided: Divided | None = None
+    each: tuple[Observation, ...] = ()
+    hiding: str = ""
 
     @property
     def settled(self) -> bool:

@@ -76,7 +76,8 @@ def meaning(record: Record) -> str:
     else:
         weaker = ""
     hiding = record["verdict"] in SETTLED and (record.get("noise_over_markers") or 0.0) > OTHER_CHANCE
-    return said + weaker + HIDING * hiding + noisier(record)
+    which = f" ({record['hiding']})" if record.get("hiding") else ""
+    return said + weaker + f"{HIDING}{which}" * hiding + noisier(record)
 
 
 def noisier(record: Record) -> str:
@@ -124,6 +125,8 @@ def _why_doubted(record: Record, seen: bool) -> str:
         return "beside what is named, paths are off by more than the noise"
     if record.get("parts_differ_by"):
         return f"parts that differ a little (by {record['parts_differ_by']}) explain as much as the stand-ins"
+    if record.get("may_differ_by"):
+        return "what acts may grow from trial to trial: stand-ins may mend what one size of it for all of these leaves"
     if not record["reference"]:
         return "stand-ins do less than paths are off by beside them, though in so few windows noise may make as much"
     return "the reference follows a law that the catalogue lacks: stand-ins may mend only that law"
@@ -318,7 +321,9 @@ def changed_trials(record: Record) -> list[str]:
     answer = told["diagnosis"]
     names, beside = alone(told["trials"], told["others"]), "the reference" if record["reference"] else "the others"
     causes = few([title(e) for e in answer["effects"]]) if answer["effects"] else "no effect named"
-    return [f"{names}, diagnosed beside {beside}: {answer['verdict']}", causes]
+    by = answer.get("may_differ_by") or 0.0  # none in older answers
+    size = f"it may grow from trial to trial: within these by {by:.0%} to either side of what is told"
+    return [f"{names}, diagnosed beside {beside}: {answer['verdict']}", causes, *([size] if by else [])]
 
 
 def changed_report(record: Record) -> str:
@@ -386,9 +391,15 @@ def chance(record: Record) -> list[str]:
         return [f"what the model leaves is {ratio:.2g} times the markers' noise"]
     if record["noise_from"] == "cycles":
         return [f"cycles of one trial differ by {ratio:.2g} times the markers' noise"]
+    hiding = record.get("hiding")  # none in older answers
     return [
         f"repeats differ by {ratio:.2g} times the markers' noise",
         "what acts on one repeat and not on the other counts as noise, and hides what is smaller",
+        *(
+            [f"{hiding}: less than most of it, and yet hardly chance; look at these trials and their repeats"]
+            if hiding
+            else []
+        ),
     ]
 
 

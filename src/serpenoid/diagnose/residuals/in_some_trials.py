@@ -12,7 +12,9 @@ pair, so pairs are weighed as in a model of random effects (DerSimonian and Lair
 Trials are taken to be listed in the order in which they were played. A cause that began takes one moment;
 what takes its place must leave less than LAW_ERROR of what that leaves: one that went again, or that grows evenly from
 trial to trial (s: how many were before it). Repeats that were all played as many trials later do not tell growth from a
-beginning.
+beginning if there are two of each setting; of three rounds the middle one does, and the last is held against the first.
+Gait by gait, what differs by as much from one repeat to the next need not grow from gait to gait: nothing is told.
+What is no chance, and less than most of what repeats differ by, is a hint at what hides in the noise, and no more.
 
 Legend: T trials, P pairs, K windows that were played twice, S ways to divide trials, C numbers of a cause.
 """
@@ -20,7 +22,7 @@ Legend: T trials, P pairs, K windows that were played twice, S ways to divide tr
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import fdtrc
@@ -124,7 +126,7 @@ def one_cause_in_some(motion: Motion, found: Fit, since: Collection[str] = ()) -
     if len(played) < FEW or any(t.noise is not None for t in motion.tracks):
         return None
     differ, causes = _causes(motion, found)
-    return divided(differ, causes, played, [t.recording.name for t in motion.tracks], since)
+    return divided_or_hint(differ, causes, played, [t.recording.name for t in motion.tracks], since)
 
 
 def divided(
@@ -135,6 +137,18 @@ def divided(
     since: Collection[str] = (),
 ) -> Divided | None:
     """Trials, by name, of which pairs differ so, as causes tell; None where none has its moment."""
+    found = divided_or_hint(differ, causes, played, names, since)
+    return None if found is None or found.hint else found
+
+
+def divided_or_hint(
+    differ: Differ,
+    causes: Sequence[Cause],
+    played: Sequence[tuple[int, int]],
+    names: Sequence[str],
+    since: Collection[str] = (),
+) -> Divided | None:
+    """The same, or what hides in the noise: no chance, and less than most of what repeats differ by."""
     squares = differ.total
     if squares <= 0:
         return None
@@ -145,23 +159,53 @@ def divided(
     runs = ([np.arange(count)], list(_begun(count)), list(_gone(count)), [later])
     strays = np.array([name in since for name in names])
     grew, began, went, each = (_best(causes, differ, played, of, strays) for of in runs)
-    best = began if _told(began, squares) else None
-    for other in (grew, went):
-        if _told(other, squares) and (best is None or other.left < LAW_ERROR**2 * best.left):
-            best = other
-    if best is grew and grew.left > LAW_ERROR**2 * each.left:
-        best = None  # every repeat differs by as much from the one before it
+    rounds = bool((np.diff(later) >= 0).all())
+    if not rounds and grew.left > LAW_ERROR**2 * each.left:  # every repeat differs by as much from the one before it,
+        grew = replace(grew, chance=1.0)  # whenever it was played
+    mostly = [f for f in (began, grew, went) if _told(f, squares)]
+    best = _first(mostly or [f for f in (began, grew, went) if f.chance <= LEFT])
     if best is None:
         return None
     share = f"{1 - best.left / squares:.0%} of what repeats differ by is one cause (to first order {best.called})"
     if best is grew:
-        return Divided(f"something changes all through the campaign: {share} that grows from trial to trial")
-    changed, others = (tuple(n for n, x in zip(names, of, strict=True) if x) for of in (best.acts, best.rests))
-    perhaps = _told(grew, squares) and grew.left < best.left / LAW_ERROR**2
-    instead = ", or which grows from trial to trial" if perhaps else ""
-    few = min(changed, others, key=len)
-    apart = f"{listed([f'`{name}`' for name in few])} differ{'' if few[1:] else 's'} from the other trials{instead}"
-    return Divided(f"something changed amid the campaign: {share} by which {apart}", changed, others, perhaps)
+        apart = "that grows from trial to trial"
+        apart += ", or began with the second round" if rounds and later[-1] == 1 else ""
+        said = f"something changes all through the campaign: {share} {apart}"
+        no = np.zeros(count, dtype=bool)
+        changed, others = (_named(names, of) for of in ((later == later[-1], later == 0) if rounds else (no, no)))
+        found = Divided(said, changed, others, perhaps=True, grows=_within(changed, others, names))
+    else:
+        changed, others = (_named(names, of) for of in (best.acts, best.rests))
+        perhaps = _told(grew, squares) and grew.left < best.left / LAW_ERROR**2
+        few = min(changed, others, key=len)
+        apart = f"by which {listed([f'`{n}`' for n in few])} differ{'' if few[1:] else 's'} from the other trials"
+        apart += ", or which grows from trial to trial" if perhaps else ""
+        said = f"something changed amid the campaign: {share} {apart}"
+        found = Divided(said, changed, others, perhaps, _within(changed, others, names) if perhaps else 0.0)
+    return found if mostly else Divided(f"{share} {apart}", hint=True)
+
+
+def _named(names: Sequence[str], some: np.ndarray) -> tuple[str, ...]:
+    """Some (T,) of the trials."""
+    return tuple(n for n, x in zip(names, some, strict=True) if x)
+
+
+def _first(found: Sequence[_Found]) -> _Found | None:
+    """What leaves far less than those before it."""
+    best = None
+    for other in found:
+        if best is None or other.left < LAW_ERROR**2 * best.left:
+            best = other
+    return best
+
+
+def _within(changed: Sequence[str], others: Sequence[str], names: Sequence[str]) -> float:
+    """What grows evenly from trial to trial: how far it is, in one of the changed trials, from what it is in their
+    mean, over how far that is from the others' mean."""
+    if not changed or not others:
+        return 0.0
+    acts, rests = (np.array([names.index(n) for n in side], dtype=float) for side in (changed, others))
+    return float(np.abs(acts - acts.mean()).max() / abs(acts.mean() - rests.mean()))
 
 
 def _told(found: _Found, squares: float) -> bool:

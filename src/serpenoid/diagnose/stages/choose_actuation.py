@@ -93,10 +93,13 @@ def _chosen(data: Plays) -> tuple[Stage, Played]:
     every = [_named(best, e) for e in best.effects]
     misses = squares[worst] > VISIBLE**2
     doubted = misses or any(n.stand_in for n in every)
-    divided = _divided(best, bare, worst, _by_trial(best, earlier)) if doubted else None
+    by_trial = _by_trial(best, earlier) if doubted else None
+    divided = _divided(best, bare, worst, by_trial) if doubted else None
     words: tuple[str, ...] = (_unlike(best, worst, left),) if misses else ()
     words += () if divided is None else (divided.words,)
     some = divided is not None and divided.changed  # a law that acts in these alone leaves much where it acts in all
+    if by_trial is not None and divided is not None and divided.words == by_trial.words:  # it is their law
+        refused = tuple(w for w in refused if not any(w.startswith(f"{e} would") for e in by_trial.called))
     words += refused if misses and not some else ()
     named = tuple(n for n in every if n.strength >= VISIBLE and not n.may_change_nothing)
     undetected = tuple(n for n in every if n not in named)

@@ -213,6 +213,7 @@ def finding(
     if jumps is not None:
         (named if jumps.strength >= VISIBLE else undetected).append(jumps)
     words, divided = _left_over(found, parts, mend=jumps is not None)
+    divided, hiding = (None, divided.words) if divided is not None and divided.hint else (divided, "")
     unlike = ""
     alone: tuple[AtOneVertex, ...] = ()
     if words and parts is None:
@@ -242,7 +243,7 @@ def finding(
     ends = None if parts is None else ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
     stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)
-    stage = another_law(found, replace(stage, unlike=unlike, ratio=ends, divided=divided))
+    stage = another_law(found, replace(stage, unlike=unlike, ratio=ends, divided=divided, hiding=hiding))
     return MotionFinding(stage, found, swaps, before, after)
 
 
@@ -365,17 +366,18 @@ def undetected_of(t: Weak, noise_level_m: float) -> Named:
 
 def _left_over(found: Selection, parts: Differing | None, mend: bool) -> tuple[tuple[str, ...], Divided | None]:
     """What neither the effects named nor one too weak to be named, nor parts that differ, account for; and how trials
-    are divided by it, if they are. mend: steps across gaps are known."""
+    are divided by it, if they are, or a hint at that. mend: steps across gaps are known."""
     motion, predictions = found.motion, _predicted(found, parts)
     eps = found.settled.model.medium.anisotropy_ratio
     words = pattern(motion, predictions, path_error(motion, predictions, mend))
     divided = differ = more_than_before(motion, predictions, found.null.model)
     cause = one_cause_in_some(motion, found.settled, () if differ is None else differ.changed)
-    if cause is not None:
+    hint = cause if cause is not None and cause.hint else None
+    if cause is not None and hint is None:
         divided = cause if differ is None else replace(cause, words=f"{cause.words}; {differ.words}")
     floors = () if divided is not None else as_floors_do(motion, predictions, eps)
     if divided is None and words and not floors:
         divided = after_some(motion, found.null.model)
     if divided is not None:
         return (*words, divided.words), divided
-    return (*words, *(floors or (one_in_each(motion, predictions, eps) if words else ()))), None
+    return (*words, *(floors or (one_in_each(motion, predictions, eps) if words else ()))), hint

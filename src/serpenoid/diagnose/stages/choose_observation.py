@@ -27,6 +27,7 @@ from serpenoid.diagnose.stages.marker_evidence import (
     sample,
     structure_by_trial,
 )
+from serpenoid.diagnose.stages.seen_by_trial import slipping
 from serpenoid.diagnose.stages.told_lengths import instead_of_effects
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import find, marking
@@ -59,6 +60,10 @@ def choose_observation(
     if _left_over(best, before)[-1] is not None:  # what the whole body shares in all trials may only mend that
         best, more_refused = lawful(best, _effects, _law_error, Looked.without_one, shared=LAW_ERROR)
         refused += more_refused
+    *_, news, sides = _left_over(best, before)
+    slips = None
+    if any(news) and not (sides and sides.changed):  # which of a marker, a horn, or the scale: one channel does not say
+        best, slips = slipping(recordings, best, FULL_FITS)
     beyond = _beyond_bounds(best)
     other = instead_of_effects(best)
     kept = best.keys if other is None else other.beside.keys
@@ -72,13 +77,16 @@ def choose_observation(
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     left, words, squares, new, divided = _left_over(best, before)
+    if slips is not None and words:
+        words, divided = (words[0], slips.told.words), Divided(slips.told.words)
+        refused = tuple(w for w in refused if not any(w.startswith(f"{e} would") for e in slips.told.called))
     mend = other if any(n.stand_in for n in named) else None
     words += () if mend is None else (mend.words,)
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
     words = (*words, *beyond.values(), *unknown, *(RIDES.format(vertex=k) for k in torn), *refused)
     first = "" if mend is None else mend.remedy
     said = Stage("observation", named, rivals, undetected, left, words, squares=squares, news=new, mend=first)
-    return replace(said, divided=divided), best.now
+    return replace(said, divided=divided, each=() if slips is None else slips.models), best.now
 
 
 def _effects(found: Looked) -> list[ActiveEffect]:

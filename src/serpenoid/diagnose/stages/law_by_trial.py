@@ -22,36 +22,56 @@ from serpenoid.diagnose.stages.actuation_by_joint import fit_everywhere
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
+from serpenoid.wording import listed
+
+Key = tuple[str, int | None]
 
 LEAST = 4  # trials: three points lie nearly on a line by chance
 
 
 @dataclass(frozen=True)
 class ByTrial:
-    """How a law differs from trial to trial, in words; steady: whether it runs one way, and not mostly by one step."""
+    """How a law differs from trial to trial, in words; steady: whether it runs one way, and not mostly by one step;
+    called: the effects that do."""
 
     words: str
     steady: bool
+    called: tuple[str, ...] = ()
 
 
 def law_by_trial(data: Plays, found: Sequence[ActiveEffect], suspects: Sequence[ActiveEffect]) -> ByTrial | None:
-    """How the suspect that leaves least so differs from trial to trial, beside what is found; None where none does."""
+    """How the suspect that leaves least so differs from trial to trial, beside what is found; None where none does. One
+    law at several joints counts as each of them alone, and as all together: a battery that sags weakens every servo."""
     trials = len(data.recordings)
     if not suspects or trials < LEAST or not all(data.begun(r) for r in data.recordings):
         return None
     beyond = _beyond(data, data.chi2(data.realised(found)))
-    every = []
+    parts = [of_trial(data, t) for t in range(trials)]
+    alone = {}
     for suspect in suspects:
         others = [e for e in found if e.key != suspect.key]
-        fits = in_processes([(_fitted, (of_trial(data, t), suspect, others)) for t in range(trials)])
-        chi2 = np.sum([c for _, c, _ in fits], axis=0)
-        share = float(np.sqrt(_beyond(data, chi2).max() / max(beyond.max(), 1e-12)))
-        every.append((share, [e for e, _, _ in fits], [does for _, _, does in fits]))
-    share, effects, does = min(every, key=lambda one: one[0], default=(np.inf, [], []))
+        alone[suspect.key] = in_processes([(_fitted, (part, suspect, others)) for part in parts])
+    every = []
+    for some in _groups(suspects):
+        others = [e for e in found if e.key not in some]
+        together = [[alone[key][t] for key in some] for t in range(trials)]
+        judged = [_judged(part, fits, others) for part, fits in zip(parts, together, strict=True)]
+        share = float(np.sqrt(_beyond(data, np.sum([c for c, _ in judged], axis=0)).max() / max(beyond.max(), 1e-12)))
+        every.append((share, together, [does for _, does in judged]))
+    share, effects, does = min(every, key=lambda one: one[0])
     acts = [t for t in range(trials) if does[t] > VISIBLE] if share < LAW_ERROR else []
     if len(acts) < LEAST:
         return None
-    return _said([effects[t] for t in acts], [data.recordings[t].name for t in acts])
+    joints = data.readings.shape[1]
+    return said_by_trial([effects[t] for t in acts], [data.recordings[t].name for t in acts], joints)
+
+
+def _groups(suspects: Sequence[ActiveEffect]) -> list[list[Key]]:
+    """Each by itself, and those of one law together."""
+    by_law: dict[str, list[Key]] = {}
+    for suspect in suspects:
+        by_law.setdefault(suspect.name, []).append(suspect.key)
+    return [*([s.key] for s in suspects), *(keys for keys in by_law.values() if keys[1:])]
 
 
 def of_trial(data: Plays, trial: int) -> Plays:
@@ -64,15 +84,20 @@ def of_trial(data: Plays, trial: int) -> Plays:
     return replace(data, readings=data.readings[rows], trials=np.zeros(rows.sum(), dtype=int), habit=habit, **parts)
 
 
-def _fitted(data: Plays, effect: ActiveEffect, others: Sequence[ActiveEffect]) -> tuple[ActiveEffect, Floats, float]:
-    """An effect as one trial has it, chi squared (m,) with it, and how far it moves the worst joint, over the noise."""
+def _fitted(data: Plays, effect: ActiveEffect, others: Sequence[ActiveEffect]) -> ActiveEffect:
+    """An effect as one trial has it."""
     law: Any = effect.effect
     here = np.tile(np.array(effect.coordinates[:-1])[:, None], (1, data.readings.shape[1]))
     starts = [here, *law.starts(data.readings, data.quickest)]
     (one,) = fit_everywhere(data, effect.name, others, starts, effect.place)
-    played, without = data.realised([*others, one.effect]), data.realised(others)
+    return one.effect
+
+
+def _judged(data: Plays, fits: Sequence[ActiveEffect], others: Sequence[ActiveEffect]) -> tuple[Floats, float]:
+    """Of one trial: chi squared (m,) with effects, and how far they move the worst joint, over the noise."""
+    played, without = data.realised([*others, *fits]), data.realised(others)
     moved = np.where(data.read, (played - without) / data.level, 0.0)
-    return one.effect, data.chi2(played), float(np.sqrt((moved**2).sum(axis=0) / data.often).max())
+    return data.chi2(played), float(np.sqrt((moved**2).sum(axis=0) / data.often).max())
 
 
 def _beyond(data: Plays, chi2: Floats) -> Floats:
@@ -80,18 +105,29 @@ def _beyond(data: Plays, chi2: Floats) -> Floats:
     return np.maximum(chi2 / data.often - 1, 0.0)
 
 
-def _said(effects: Sequence[ActiveEffect], names: Sequence[str]) -> ByTrial:
-    """How an effect's values run from trial to trial."""
-    runs, steady = [], _steady(np.array([e.coordinates[0] for e in effects]))
-    for p in effects[0].effect.parameters:
-        values = np.array([e.parameters[p.name] for e in effects])
-        first, last = (0, -1) if steady else (int(values.argmin()), int(values.argmax()))
-        unit = "" if p.unit == "1" else f" {p.unit}"
-        runs.append(
-            f"{p.name} {values[first]:.3g}{unit} in `{names[first]}`, {values[last]:.3g}{unit} in `{names[last]}`"
-        )
+def said_by_trial(effects: Sequence[Sequence[ActiveEffect]], names: Sequence[str], joints: int) -> ByTrial:
+    """How values of an effect, in the mean of several joints, run from trial to trial; joints: of the body."""
+    of = effects[0][0]
+    numbers = [[np.mean([e.parameters[p.name] for e in some]) for p in of.effect.parameters] for some in effects]
+    values, units = np.array(numbers), [p.unit for p in of.effect.parameters]
+    way = values @ (values[-1] - values[0]) if len(set(units)) == 1 else values[:, 0]  # of one kind: how far they run
+    steady, runs = _steady(way), []
+    for p, run in zip(of.effect.parameters, values.T, strict=True):
+        first, last = (0, -1) if steady else (int(run.argmin()), int(run.argmax()))
+        told = (f"{_told(run[t], p.unit, np.abs(run).max())} in `{names[t]}`" for t in (first, last))
+        runs.append(f"{p.name} {', '.join(told)}")
     how = "changes steadily" if steady else "differs"
-    return ByTrial(f"{effects[0].called} {how} from trial to trial: {'; '.join(runs)}", steady)
+    where = "all joints" if len(effects[0]) == joints else f"joints {listed([str(e.place) for e in effects[0]])}"
+    called, mean = (of.called, "") if len(effects[0]) == 1 else (f"{of.name} at {where}", " in the mean")
+    words = f"{called} {how} from trial to trial: {', and '.join(runs)}{mean}"
+    return ByTrial(words, steady, tuple(e.called for e in effects[0]))
+
+
+def _told(value: float, unit: str, largest: float) -> str:
+    """A value of a run, by three digits of its largest."""
+    scale, unit = (1e3, " mm") if unit == "m" else (1.0, "" if unit == "1" else f" {unit}")
+    digits = 2 - int(np.floor(np.log10(max(scale * largest, 1e-12))))
+    return f"{round(scale * value, digits) + 0.0:g}{unit}"
 
 
 def _steady(values: Floats) -> bool:

@@ -28,10 +28,11 @@ def trials_astray(data: Plays, played: Floats, joint: int) -> Divided | None:
     squares = np.array([data.structure_of(left, mine) for mine in trials])
     astray = squares > VISIBLE**2
     mine = astray[:, joint]
-    if mine.all():
-        return _trend(data, played, left, joint)
     if not mine.any():
         return None
+    trend = _trend(data, played, left, joint)  # a first trial that has little of it does as it was told
+    if mine.all() or (trend is not None and _gains(played, left, mine[data.trials])[1][joint] > MOSTLY):
+        return trend
     clear = far_less(squares[~mine], squares[mine])
     if not clear[joint]:
         return None
@@ -63,20 +64,25 @@ def _exchanged(data: Plays, played: Floats, left: Floats, rows: np.ndarray, two:
 
 
 def _trend(data: Plays, played: Floats, left: Floats, joint: int) -> Divided | None:
-    """Where a straight line over the trials' order is nearly all that its gains differ by."""
-    gains = np.array([_gains(played, left, data.trials == t)[0][joint] for t in range(len(data.recordings))])
+    """Where a straight line over the trials' order is nearly all that its gains differ by; with all joints of which
+    that is so in the same way."""
+    gains = np.array([_gains(played, left, data.trials == t)[0] for t in range(len(data.recordings))])
     order = np.arange(len(gains)) - (len(gains) - 1) / 2
     if len(gains) < 4:  # three points lie nearly on a line by chance
         return None
-    about = gains - gains.mean()
-    slope = float(order @ about / (order @ order))
-    if ((about - slope * order) ** 2).sum() > LAW_ERROR**2 * (about**2).sum():
+    about = gains - gains.mean(axis=0)
+    slopes = order @ about / (order @ order)
+    straight = ((about - order[:, None] * slopes) ** 2).sum(axis=0) < LAW_ERROR**2 * (about**2).sum(axis=0)
+    if not straight[joint]:
         return None
-    first, last = data.recordings[0].name, data.recordings[-1].name
-    more = "more" if slope > 0 else "less"
+    alike = np.flatnonzero(straight & (np.abs(slopes - slopes[joint]) < LAW_ERROR * abs(slopes[joint]))).tolist()
+    mean, (first, last) = gains[:, alike].mean(axis=1), (data.recordings[t].name for t in (0, -1))
+    who = "all joints" if len(alike) == gains.shape[1] > 1 else f"joint {joint + 1}"
+    who = f"joints {listed([str(j + 1) for j in alike])}" if 1 < len(alike) < gains.shape[1] else who
+    more = "more" if slopes[joint] > 0 else "less"
     return Divided(
-        f"joint {joint + 1} moves {more} from trial to trial: {gains[0]:.2f} times as far as told in `{first}`, "
-        f"{gains[-1]:.2f} times in `{last}`"
+        f"{who} {'move' if alike[1:] else 'moves'} {more} from trial to trial: {mean[0]:.2f} times as far as told in "
+        f"`{first}`, {mean[-1]:.2f} times in `{last}`"
     )
 
 

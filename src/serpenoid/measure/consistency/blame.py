@@ -11,7 +11,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from serpenoid.measure.consistency.hypotheses import BOTH, IN_ONE_FILM
+from serpenoid.measure.consistency.hypotheses import BOTH, IN_ONE
 from serpenoid.measure.consistency.rivals import ODDS, SAID, Rival, leads
 
 TIED = 3.0  # nats: rivals as near as this to the best are named with it
@@ -45,7 +45,7 @@ def certain(rivals: Sequence[Rival], leanings: Mapping[str, float] | None = None
     for rival in rivals:
         together[_kind(rival)] += rival.lead
     sure = [r for r in rivals if leads(r, together[_kind(r)] if r.everywhere else r.lead)]
-    in_all = {(r.trial, r.pair, r.kind + IN_ONE_FILM) for r in sure if r.everywhere}
+    in_all = {(r.trial, r.pair, r.kind + one) for r in sure if r.everywhere for one in IN_ONE.values()}
     sure = [r for r in sure if (r.trial, r.pair, r.kind) not in in_all]
     compared = {(rival.trial, rival.pair) for rival in rivals}
     by_trial: dict[str, list[Rival]] = defaultdict(list)

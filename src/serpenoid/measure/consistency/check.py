@@ -26,7 +26,7 @@ from serpenoid.measure.consistency.hypotheses import (
     ROLLS,
     SAME_TABLE,
     Fault,
-    in_one_film,
+    in_one_trial,
     in_other_unit,
     other_angles,
     other_unit,
@@ -203,8 +203,7 @@ def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats], claims
             each_s = float(np.median(np.diff(signal.time_s[signal.known])))
             faults = schedule_faults(shown, claim.label, tables, periods, moving_s(signal), each_s)
             faults += _stopped(claim, signal, shown)
-            if signal is claim.cameras:
-                faults += in_one_film(course_of(shown), claim.label)
+            faults += in_one_trial(course_of(shown), claim.label, filmed=signal is claim.cameras)
             faults, course = _of_any(len(claims), faults), course_of(shown)
             found = compared(claim.trial, signal, course, own, faults, witness, prior)
             if found.contract.explained < SURE:
@@ -291,7 +290,7 @@ def _servos_against_cameras(claim: Claim, claims: Sequence[Claim]) -> Compared |
     logs = [(c.trial, c.servos) for c in claims if c.servos is not None and not _repeats(c, claim)]
     others = [(name, log) for name, log in logs if log.values.shape[1] == joints and log.enough]
     share = -float(np.log(KINDS * max(len(others), 1)))
-    faults = [*turned(course, "the servo log"), *in_one_film(course, "the servo log")]
+    faults = [*turned(course, "the servo log"), *in_one_trial(course, "the servo log", filmed=True)]
     for name, log in others:
         words = f"follow the servo log of trial `{name}`, not their own"
         faults.append(Fault("log", words, LOG_CURE, logged(log, promised), share, cures=CURES))

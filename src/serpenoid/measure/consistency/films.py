@@ -60,11 +60,34 @@ class Films:
         if not _differ(longer - directed.along):
             return dict.fromkeys(self.trials, _stretched(directed.share, BY_IT))
         scales = longer.mean(axis=1)
-        within = [np.ptp(self._longer(np.array_split(one, PARTS)).mean(axis=1)) for one in self.points]
-        little = WITHIN * np.ptp(scales)
-        if np.median(within) > little:
+        if self._as_different_within(scales):
             return dict.fromkeys(self.trials, _by_place(scales))
-        return {t: _another(s, scales) for t, s in zip(self.trials, scales, strict=True) if abs(s) > little}
+        return {t: _another(scale, scales) for t, scale in self._own(scales).items()}
+
+    @property
+    def scales(self) -> dict[str, float]:
+        """By the name of its trial the log scale of every film that has another than stated; none where films do not
+        differ by their scales alone."""
+        longer = self._longer(self.points)
+        if not _differ(longer) or not _differ(longer - self._by_direction().along):
+            return {}
+        scales = longer.mean(axis=1)
+        return {} if self._as_different_within(scales) else self._own(scales)
+
+    def taken(self, scales: dict[str, float]) -> dict[str, Remark]:
+        """What is said where these films are taken in the scale in which links are as long as stated."""
+        every = self._longer(self.points).mean(axis=1)
+        return {t: _another(scale, every, taken=True) for t, scale in scales.items()}
+
+    def _own(self, scales: Floats) -> dict[str, float]:
+        """Those that are another than stated by more than films differ by within."""
+        little = WITHIN * np.ptp(scales)
+        return {t: float(s) for t, s in zip(self.trials, scales, strict=True) if abs(s) > little}
+
+    def _as_different_within(self, scales: Floats) -> bool:
+        """Whether films differ as much within as from each other."""
+        within = [np.ptp(self._longer(np.array_split(one, PARTS)).mean(axis=1)) for one in self.points]
+        return bool(np.median(within) > WITHIN * np.ptp(scales))
 
     def _by_direction(self) -> Directed:
         """What links that turn within films show, of edges that all of them show."""
@@ -126,14 +149,19 @@ def _differ(longer: Floats) -> bool:
     return bool(chance < 1 - CERTAIN and np.ptp(scale) > APART)
 
 
-def _another(scale: float, scales: Floats) -> Remark:
-    """Of a film whose log scale is another than that of others."""
+def _another(scale: float, scales: Floats, taken: bool = False) -> Remark:
+    """Of a film whose log scale is another than that of others; taken: whether it is set right."""
     own, apart = 100 * abs(np.expm1(scale)), 100 * np.expm1(np.ptp(scales))
+    factor = f"{np.exp(-scale):.4g}"
+    left = (
+        f"Taken here times {factor}, as links are then as long as told. If that is so, give its positions"
+        if taken
+        else "Left so it counts as chance of repeats, and hides what is smaller. Give the positions of this film"
+    )
     words = (
         f"all links are {own:.2g} % {'longer' if scale > 0 else 'shorter'} in this film than `edge_lengths`, and "
-        f"films of this campaign differ by {apart:.2g} %: was a camera moved, or calibrated anew? Left so it counts "
-        "as chance of repeats, and hides what is smaller. Give the positions of this film times "
-        f"{np.exp(-scale):.4g} (of pixels: so many times its `metres_per_pixel`)"
+        f"films of this campaign differ by {apart:.2g} %: was a camera moved, or calibrated anew? {left} times "
+        f"{factor} (of pixels: so many times its `metres_per_pixel`)"
     )
     return Remark(words, "cameras")
 

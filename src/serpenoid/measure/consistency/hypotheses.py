@@ -41,7 +41,7 @@ FARTHEST = 100.0  # times as long or as short as the schedule: no frame rate, on
 NEAR = 0.05  # a schedule nearer than the clocks that `match` tries is no other hypothesis
 ROUGHLY = 0.25  # the same where nothing but a unit makes so much: an only cycle's length is known by where it ends
 MOTION_ALONE = "are its times in seconds (`time_unit`), and those of this motion alone (`from_s`, `to_s`)?"
-IN_ONE_FILM = ", in one film"  # what of a kind that is wrong everywhere may be so in a single trial
+IN_ONE = {True: ", in one film", False: ", in one trial"}  # what is wrong everywhere may be so in a single one
 KINDS = 9  # of faults, alike in prior odds
 
 
@@ -143,17 +143,21 @@ def turned(course: Course, label: str) -> list[Fault]:
     ]  # fmt: skip
 
 
-def in_one_film(course: Course, label: str) -> list[Fault]:
-    """The same of markers in one trial, whatever the others show."""
+def in_one_trial(course: Course, label: str, filmed: bool) -> list[Fault]:
+    """The same in one trial, whatever the others show: of its film, or of what was played, where servos tell it."""
     of_film = {
         "signs": "is this film `mirrored`? Set `mirrored = true` in the trial",
         "order": "do `markers` run from head to tail in this film, and is it `mirrored`? Set both in the trial",
         "ends": "do `markers` run from head to tail in this film? Reverse them (or set `first_point`) in the trial",
     }
+    played = f"was another gait than `{label}` played in this trial? Name in `joint_table` what was"
     return [
-        replace(fault, kind=fault.kind + IN_ONE_FILM, cure=of_film[fault.kind], everywhere=False, cures={})
+        replace(
+            fault, kind=fault.kind + IN_ONE[filmed], cure=of_film[fault.kind] if filmed else played, everywhere=False,
+            cures={},
+        )
         for fault in turned(course, label)
-    ]
+    ]  # fmt: skip
 
 
 def stopped(course: Course, label: str, after_s: float, cure: str) -> list[Fault]:
