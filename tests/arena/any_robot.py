@@ -29,6 +29,8 @@ from blind.random_protocols import draw_protocol
 from blind.study import commit
 from serpenoid.arena.campaign import run_campaign
 from serpenoid.arena.protocol import load_protocol
+from serpenoid.arena.robot import Robot, robot_of, too_weak
+from serpenoid.body import Body
 from serpenoid.diagnose.reference import reference_of
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
@@ -55,12 +57,22 @@ class Drawn:
         return float(self.protocol.robot.edges.mean()) / (0.92 / 11)
 
     @property
+    def built(self) -> Robot:
+        """As the arena builds it."""
+        own = self.protocol.robot
+        body = Body(
+            vertices=own.vertices, edge_lengths=tuple(map(float, own.edges)), weights=tuple(map(float, own.masses)),
+            mass_kg=own.mass_kg,
+        )  # fmt: skip
+        return Robot.model_validate(robot_of(body, self.robot))
+
+    @property
     def wheel_load_N(self) -> float:
         return 9.81 * self.protocol.robot.mass_kg / self.protocol.robot.vertices
 
 
 def draw(key: str, number: int) -> Drawn:
-    """The robot of a number: the first of its draws that the arena's servos can carry."""
+    """The robot of a number: the first of its draws whose gaits the arena's servos are fast and strong enough for."""
     for attempt in range(1000):
         seed = int(hashlib.sha256(f"{key}:{number}:{attempt}".encode()).hexdigest()[:8], 16)
         found = draw_protocol(seed)
@@ -68,7 +80,9 @@ def draw(key: str, number: int) -> Drawn:
         fast = max(_speed(s.plan.table, s.plan.cycle_s) for s in found.settings) > FASTEST * robot.speed_limit
         fits = JOINTS[0] <= robot.joints <= JOINTS[1] and LENGTH_M[0] <= robot.length <= LENGTH_M[1]
         if fits and not fast and found.plays * len(found.settings) >= 3:
-            return Drawn(found, _parts(np.random.default_rng([seed, 20])), seed)
+            drawn = Drawn(found, _parts(np.random.default_rng([seed, 20])), seed)
+            if not too_weak(drawn.built):
+                return drawn
     raise ArithmeticError(f"{key}: no robot in 1000 draws")
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from serpenoid.arena.assembly import Assembly
 from serpenoid.arena.protocol import PlayedRobot, load_protocol
-from serpenoid.arena.robot import Robot, robot_of
+from serpenoid.arena.robot import Robot, robot_of, too_weak
 from serpenoid.arena.world import World
 from serpenoid.body import Body
 from serpenoid.cli.main import main
@@ -148,3 +148,27 @@ def test_a_body_without_mass_and_a_table_of_another_robot_are_refused(tmp_path):
     (tmp_path / "six.toml").write_text("[body]\nvertices = 8\n[medium]\nanisotropy_ratio = 0.2\n")
     with pytest.raises(InputError, match=r"\[body\] mass_kg: the arena needs"):
         load_protocol(path)
+
+
+def test_the_load_of_a_joint_is_the_moment_of_friction_of_its_lighter_side():
+    """Two links of 0.3 m between masses of 1, 2 and 3 kg: the tail's 1 kg at 0.3 m, over the stall torque."""
+    heavy = Body(vertices=3, edge_lengths=(0.3, 0.3), weights=(1.0, 2.0, 3.0), mass_kg=6.0)
+    built = Robot.model_validate(robot_of(heavy, {"grip": 0.4, "stall_torque": 1.4}))
+    np.testing.assert_allclose(built.loads, [0.4 * 9.81 * 1.0 * 0.3 / 1.4])
+    assert too_weak(built) == ""
+    assert (Robot().loads < 1).all()  # the paper's
+
+
+def test_servos_that_cannot_turn_the_body_are_told_before_it_is_played(tmp_path, caplog):
+    write_table(tmp_path / "still.csv", np.zeros((10, 4)))
+    (tmp_path / "heavy.toml").write_text(
+        "[body]\nvertices = 6\nlength_m = 1.4\nmass_kg = 8.0\n[medium]\nanisotropy_ratio = 0.2\n"
+    )
+    (tmp_path / "protocol.toml").write_text(
+        'format = 1\nname = "heavy"\nproblem = "heavy.toml"\ntrials = 1\ncycles = 1\n'
+        '[[gait]]\nname = "still"\njoint_table = "still.csv"\ncycle_durations_s = [1.0]\nheadings_deg = [0.0]\n'
+    )
+    assert main(["arena", "run", str(tmp_path / "protocol.toml"), "--out", str(tmp_path / "out"), "--quiet"]) == 0
+    (said,) = [r.getMessage() for r in caplog.records if "stalls at" in r.getMessage()]
+    assert said.startswith("joint ")
+    assert "N m to turn the lighter side of the body over the floor" in said

@@ -24,6 +24,7 @@ PAPER_SERVOS = 10
 PAPER_SPACING_M = 0.92 / (PAPER_SERVOS + 1)
 TICKS = 4096  # per turn [D]
 TICK = 2 * math.pi / TICKS
+GRAVITY = 9.81  # m/s^2
 WHEEL_SHARE = 0.3  # of a light vertex: its wheels are not all of it
 
 
@@ -127,6 +128,16 @@ class Robot(Record):
         return np.array(self.links.masses_kg)
 
     @property
+    def loads(self) -> Floats:
+        """Of each joint, shape (m,): the moment that turns the lighter side of the straight body about it over the
+        floor, sideways on all wheels, over the stall torque. A wave asks for less, as its sides oppose each other."""
+        chain = self.links
+        arms = chain.places_m - chain.places_m[list(chain.joints)][:, None]
+        moments = self.grip * GRAVITY * np.array(chain.masses_kg) * np.abs(arms)
+        sides = [np.where(side, moments, 0.0).sum(axis=1) for side in (arms < 0, arms > 0)]
+        return np.minimum(*sides) / self.stall_torque
+
+    @property
     def torque_constant(self) -> float:
         """N m at the output per ampere."""
         return self.stall_torque / self.stall_current_A
@@ -185,3 +196,17 @@ def _is_the_papers(chain: Chain) -> bool:
         return False
     same_mass = abs(sum(chain.masses_kg) - paper.mass_kg) < 1e-3
     return same_mass and bool(np.allclose(chain.edges_m, paper.edge_lengths_m, rtol=0, atol=1e-5))
+
+
+def too_weak(robot: Robot) -> str:
+    """That servos cannot turn the body over the floor, in words; empty if they can."""
+    loads = robot.loads
+    worst = int(loads.argmax())
+    if loads[worst] <= 1:
+        return ""
+    needs, stalls = loads[worst] * robot.stall_torque, robot.stall_torque
+    return (
+        f"joint {worst + 1} needs {needs:.2g} N m to turn the lighter side of the body over the floor, and its servo "
+        f"stalls at {stalls:.2g} N m: joints will not follow their commands. Take a lighter or shorter body, or "
+        "another `stall_torque` in [robot]"
+    )

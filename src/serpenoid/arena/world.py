@@ -9,7 +9,7 @@ import numpy as np
 from serpenoid.arena import mujoco_module
 from serpenoid.arena.assembly import Assembly
 from serpenoid.arena.floor import Mats, force, patch_factor
-from serpenoid.arena.robot import TICK
+from serpenoid.arena.robot import GRAVITY, TICK
 from serpenoid.arena.scene import compile_scene
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
@@ -46,7 +46,7 @@ class World:
         self._start, self.goal = self._target.copy(), self._target.copy()
         self.data.qpos[self._servo_q] = self.goal
         self._turn_root(x_m, y_m, heading_rad)
-        self._loads = np.full(2 * self.robot.wheels, self.robot.mass_kg * 9.81 / (2 * self.robot.wheels))
+        self._loads = np.full(2 * self.robot.wheels, self.robot.mass_kg * GRAVITY / (2 * self.robot.wheels))
         self._places = self.data.geom_xpos[self._tyres].copy()
         self._refresh(0.0)
         for _ in range(round(SETTLE_S / self.robot.timestep_s)):
@@ -137,7 +137,7 @@ class World:
     def _tilt_floor(self) -> None:
         slope, downhill = self.assembly.slope_rad, self.assembly.downhill_rad
         pull = math.sin(slope)
-        self.model.opt.gravity[:] = -9.81 * np.array(
+        self.model.opt.gravity[:] = -GRAVITY * np.array(
             [-pull * math.cos(downhill), -pull * math.sin(downhill), math.cos(slope)]
         )
 

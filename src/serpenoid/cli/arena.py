@@ -16,7 +16,7 @@ from pathlib import Path
 
 from serpenoid.cli import options
 from serpenoid.cli.claim import claim, content_of, move_aside, sign
-from serpenoid.cli.log import settle
+from serpenoid.cli.log import log, settle
 from serpenoid.wording import counted
 
 RUN = """Play every trial of a protocol in the virtual laboratory and write them as a campaign folder.
@@ -70,6 +70,7 @@ def run(args: argparse.Namespace) -> int:
 def _run(args: argparse.Namespace) -> int:
     from serpenoid.arena.campaign import another, run_campaign
     from serpenoid.arena.protocol import load_protocol
+    from serpenoid.arena.robot import too_weak
     from serpenoid.arena.trial import plans
 
     protocol, tables = load_protocol(args.protocol)
@@ -79,10 +80,13 @@ def _run(args: argparse.Namespace) -> int:
     settle([folder])
     if args.force and folder.is_dir() and another(protocol, tables, folder):
         move_aside(folder)
+    weak = too_weak(protocol.robot)
+    if weak:
+        log.warning("%s", weak)
     total = len(plans(protocol))
     with options.progress_bar(args, "trials", total) as advance:
         run_campaign(protocol, tables, folder, workers=options.workers(args), truth=args.truth, report=advance)
-    record = {"campaign": str(folder / "campaign.toml"), "trials": total}
+    record = {"campaign": str(folder / "campaign.toml"), "trials": total, "remarks": [weak] if weak else []}
     options.report(args, record, [f"{counted(total, 'trial')} described in {folder / 'campaign.toml'}"])
     return 0
 
