@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +31,9 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     robot = ["--joints", "3", "--edges", "0.05,0.1,0.08,0.06", "--wheels", "middles"]
     assert main(["new", "problem", str(folder / "mine.toml"), "--yes", *robot]) == 0
     words = ["--problem", str(folder / "mine.toml"), "--format", "tidy", "--yes"]
-    assert main(["new", "campaign", str(folder / "campaign.toml"), *words]) == 0
+    with pytest.MonkeyPatch.context() as patch:  # a new campaign has markers at joints and ends
+        patch.setattr(import_module("serpenoid.scaffold.campaign"), "_marked", lambda body: list(range(body.vertices)))
+        assert main(["new", "campaign", str(folder / "campaign.toml"), *words]) == 0
     return folder
 
 

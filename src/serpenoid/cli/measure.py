@@ -5,8 +5,9 @@
 
 A campaign is a folder with campaign.toml and, per trial, a motion file (Motive CSV, C3D, SLEAP, plain CSV), a servo log
 and a power log; any of them may be missing (docs/campaign-format.md). A broken file is named with row and column, and
-nothing is half-read. Writes campaign.json and a picture of every trial: markers on the floor, what was hidden when,
-commanded against measured joint angles. Position jumps are reported, not smoothed away.
+nothing is half-read. Writes campaign.json, of an animal its mean beat as a problem file, and a picture of every trial:
+markers on the floor, what was hidden when, commanded against measured joint angles. Position jumps are reported, not
+smoothed away.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ def run(args: argparse.Namespace) -> int:
     """Read, write, report."""
     from serpenoid.compare.records import campaign_record
     from serpenoid.files.writing import provenance, write_json
+    from serpenoid.measure.mean_beat import write_beat
 
     campaign = campaigns.read(args)
     folder = campaigns.folder(args, args.campaign, "measure")
@@ -60,7 +62,9 @@ def run(args: argparse.Namespace) -> int:
         lines.append("edge lengths estimated from the recordings (medians)")
     shared = shared_notes(campaign.trials)
     lines += [f"note              {who}: {note}" for note, who in shared.items()]
-    lines += [line for trial in campaign.trials for line in trial_lines(trial, shared)]
+    for trial in campaign.trials:
+        played = write_beat(folder, trial, campaign.file.medium)
+        lines += [*trial_lines(trial, shared), *([] if played is None else [played])]
     lines += made_up(args.campaign)
     options.report(args, record, [*lines, f"written to        {folder}"], folder)
     return 0

@@ -42,12 +42,16 @@ SINGULAR = 1e-6  # of the Gram matrix: rows at the edge of a window
 @dataclass(frozen=True)
 class Beat:
     """How a body bends, where it repeats: mean period [s] and SD of single beats [s], amplitude (m,) of each joint's
-    sine [rad], and waves on the body, > 0 where they run from head to tail most of the time; 0: bends that stand."""
+    sine [rad], and waves on the body, > 0 where they run from head to tail most of the time; 0: bends that stand.
+
+    turns (C,): beats since the first of the moments centres_s (C,) [s]."""
 
     period_s: float
     spread_s: float
     amplitude_rad: Floats
     waves: float
+    centres_s: Floats
+    turns: Floats
 
     @property
     def runs(self) -> bool:
@@ -84,7 +88,8 @@ def beat(motion: Motion) -> Beat | None:
     rate = np.clip(np.gradient(turned, sines.centres), 1 / (2 * period), 2 / period)
     own = _evenly_seen(time_s, sines_about(time_s, angles, sines.centres, 1 / rate), period)
     amplitude = np.sqrt((np.abs(own) ** 2).mean(axis=0))
-    return Beat(period, float(seconds.std()), amplitude, _lag(own) * (own.shape[1] + 1) / (2 * np.pi))
+    waves = _lag(own) * (own.shape[1] + 1) / (2 * np.pi)
+    return Beat(period, float(seconds.std()), amplitude, waves, sines.centres, turned)
 
 
 def _lag(amplitudes: NDArray[np.complex128]) -> float:

@@ -146,8 +146,8 @@ def _text(hint: str, name: str, body: Body, medium: Medium, duration: float, ans
     names = ", ".join(f'"{prefix}{labels[vertex]}"' for vertex in marked)
     markers = f"markers = [{names}]   # as the cameras call them, vertex 0 (tail) first"
     kind = READERS[answers["format"]]
-    rigid = len(body.corners) < body.vertices
-    seen = [f"vertices = {marked}   # those with a marker: tail, joints and head; add others, and their names"] * rigid
+    some = len(marked) < body.vertices
+    seen = [f"vertices = {marked}   # those with a marker: tail, joints and head; add others, and their names"] * some
     return "\n".join(
         [
             *_head(hint, name, FILMED if body.is_animal else PLAYED),
