@@ -228,6 +228,30 @@ def test_a_wheel_that_seizes_amid_the_campaign_is_named(tmp_path: Path, beside: 
     assert own["effects"] == answer["effects"]
 
 
+def wearing(gaits: int) -> Campaign:
+    """Gait by gait; a wheel is seized by a little more in each trial."""
+    few = protocol(gaits)
+    count = len(make(64, [], "now", protocol=few, chance=(1,)).trials)
+    worn = [Effect("worn_wheel", 5, {"seizure": 0.9 * i / (count - 1)}) for i in range(count)]
+    every = [make(64, [effect], "now", protocol=few, chance=(1,)) for effect in worn]
+    names = sorted(t.name for t in every[0].trials)
+    trials = tuple(next(t for t in c.trials if t.name == name) for name, c in zip(names, every, strict=True))
+    healthy = every[0]
+    return Campaign(healthy.identity, healthy.seed, healthy.protocol, (), healthy.world, trials)
+
+
+@pytest.mark.slow
+def test_what_grows_gait_by_gait_leaves_no_unmarked_name(tmp_path: Path) -> None:
+    """Of another place or law, that is: all trials are as if another law acted in all of them."""
+    write(wearing(3), tmp_path / "now")
+    said = diagnosed(tmp_path / "now", tmp_path / "out")
+    assert said["verdict"] not in ("nothing", "explained")
+    assert all(e["stand_in"] for e in said["effects"] if e["site"] == "medium")
+    assert any(
+        "grows from trial to trial (to first order `worn_wheel at vertex 5`)" in w for w in said["residual_pattern"]
+    )
+
+
 @pytest.mark.slow
 def test_the_screen_says_which_trials_and_what_of_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write(changed_in_the_last_round(Effect("zero_offset", 4, {"offset": 0.1}), 2), tmp_path / "now")

@@ -22,7 +22,7 @@ from serpenoid.diagnose.report.words import (
 )
 from serpenoid.effects.catalogue import find
 from serpenoid.media import DEFAULT, LAWS
-from serpenoid.wording import NOT_NAMED, OTHER_LAW
+from serpenoid.wording import GROWING, NOT_NAMED, OTHER_LAW
 
 UNSAID = (
     "the log does not say when rows were due: it has no labels, and its commands are not the table's",
@@ -115,6 +115,8 @@ def _why_doubted(record: Record, seen: bool) -> str:
         return "stand-ins of the floor rest on markers whose errors are not understood"
     if any(w.endswith(OTHER_LAW) for w in record["residual_pattern"]):
         return "names that take at some places what they give at others may stand for another law"
+    if any(w.endswith(GROWING) for w in record["residual_pattern"]):
+        return "a cause that grows from trial to trial explains more than the stand-ins"
     if record["noise_from"] == "residuals" and not record["reference"]:
         return (
             "nothing was played twice, and what is left is more than the markers' noise: names that do less than three "
