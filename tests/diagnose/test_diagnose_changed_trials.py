@@ -124,7 +124,7 @@ def test_how_much_it_may_grow_is_said_where_it_may(differ: dict[str, float | Non
     )
     assert said[:2] == ["`b`, diagnosed beside the others: explained", "no effect named"]
     assert [s.partition(":")[2] for s in said[2:]] == [
-        f" within these by {x:.0%} to either side of what is told" for x in differ.values() if x
+        f" {1 - x:.2g} to {1 + x:.2g} times its mean in these, told of one of them" for x in differ.values() if x
     ]
 
 

@@ -298,7 +298,7 @@ def changed_trials(record: Record) -> list[str]:
     names, beside = alone(told["trials"], told["others"]), "the reference" if record["reference"] else "the others"
     causes = few([title(e) for e in answer["effects"]]) if answer["effects"] else "no effect named"
     by = answer.get("may_differ_by") or 0.0  # none in older answers
-    size = f"it may grow from trial to trial: within these by {by:.0%} to either side of what is told"
+    size = f"it may grow from trial to trial: {1 - by:.2g} to {1 + by:.2g} times its mean in these, told of one of them"
     return [f"{names}, diagnosed beside {beside}: {answer['verdict']}", causes, *([size] if by else [])]
 
 
