@@ -183,7 +183,7 @@ def divided_or_hint(
         apart += ", or which grows from trial to trial" if perhaps else ""
         said = f"something changed amid the campaign: {share} {apart}"
         found = Divided(said, changed, others, perhaps, _within(changed, others, names) if perhaps else 0.0)
-    return found if mostly else Divided(f"{share} {apart}", hint=True)
+    return replace(found, cause=best.called) if mostly else Divided(f"{share} {apart}", hint=True)
 
 
 def _named(names: Sequence[str], some: np.ndarray) -> tuple[str, ...]:

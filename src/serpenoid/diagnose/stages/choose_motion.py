@@ -241,7 +241,8 @@ def finding(
         named = beside_what_is_left(motion, named)
     if motion.ratio is None:
         named = beside_paths(named, after / noise_level)
-    growing = grows_instead(found) if divided is None and any(n.effect.effect.moves for n in named) else ""
+    known = divided is not None and bool(divided.cause)  # by what repeats differ by: it is told
+    growing = grows_instead(found) if not known and any(n.effect.effect.moves for n in named) else ""
     if growing:
         named = [replace(n, stand_in=n.stand_in or n.effect.effect.moves) for n in named]
         words = (*words, growing)
