@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 FEW = 4  # names that are read at a glance
 OTHER_LAW = "may stand for another law of the floor or the water"  # ends what it says of names that mend one
+GROWING = "play all gaits, then all of them again, to tell"  # ends what it says of names that something growing beats
 NOT_NAMED = "not named, as "  # begins what a diagnosis says of effects that it tried and refused
 
 

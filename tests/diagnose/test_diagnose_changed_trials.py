@@ -124,7 +124,7 @@ def test_how_much_it_may_grow_is_said_where_it_may(differ: dict[str, float | Non
     )
     assert said[:2] == ["`b`, diagnosed beside the others: explained", "no effect named"]
     assert [s.partition(":")[2] for s in said[2:]] == [
-        f" within these by {x:.0%} to either side of what is told" for x in differ.values() if x
+        f" {1 - x:.2g} to {1 + x:.2g} times its mean in these, told of one of them" for x in differ.values() if x
     ]
 
 
@@ -226,6 +226,30 @@ def test_a_wheel_that_seizes_amid_the_campaign_is_named(tmp_path: Path, beside: 
     assert low < WORN.parameters["seizure"] < high
     own = json.loads((tmp_path / "out" / changed["folder"] / "diagnosis.json").read_text())
     assert own["effects"] == answer["effects"]
+
+
+def wearing(gaits: int) -> Campaign:
+    """Gait by gait; a wheel is seized by a little more in each trial."""
+    few = protocol(gaits)
+    count = len(make(64, [], "now", protocol=few, chance=(1,)).trials)
+    worn = [Effect("worn_wheel", 5, {"seizure": 0.9 * i / (count - 1)}) for i in range(count)]
+    every = [make(64, [effect], "now", protocol=few, chance=(1,)) for effect in worn]
+    names = sorted(t.name for t in every[0].trials)
+    trials = tuple(next(t for t in c.trials if t.name == name) for name, c in zip(names, every, strict=True))
+    healthy = every[0]
+    return Campaign(healthy.identity, healthy.seed, healthy.protocol, (), healthy.world, trials)
+
+
+@pytest.mark.slow
+def test_what_grows_gait_by_gait_leaves_no_unmarked_name(tmp_path: Path) -> None:
+    """Of another place or law, that is: all trials are as if another law acted in all of them."""
+    write(wearing(3), tmp_path / "now")
+    said = diagnosed(tmp_path / "now", tmp_path / "out")
+    assert said["verdict"] not in ("nothing", "explained")
+    assert all(e["stand_in"] for e in said["effects"] if e["site"] == "medium")
+    assert any(
+        "grows from trial to trial (to first order `worn_wheel at vertex 5`)" in w for w in said["residual_pattern"]
+    )
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ from serpenoid.diagnose.report.words import (
 )
 from serpenoid.effects.catalogue import find
 from serpenoid.media import DEFAULT, LAWS
-from serpenoid.wording import NOT_NAMED, OTHER_LAW
+from serpenoid.wording import GROWING, NOT_NAMED, OTHER_LAW
 
 UNSAID = (
     "the log does not say when rows were due: it has no labels, and its commands are not the table's",
@@ -116,6 +116,8 @@ def _why_doubted(record: Record, seen: bool) -> str:
         return "stand-ins of the floor rest on markers whose errors are not understood"
     if any(w.endswith(OTHER_LAW) for w in record["residual_pattern"]):
         return "names that take at some places what they give at others may stand for another law"
+    if any(w.endswith(GROWING) for w in record["residual_pattern"]):
+        return "a cause that grows from trial to trial explains more than the stand-ins"
     if record["noise_from"] == "residuals" and not record["reference"]:
         return (
             "nothing was played twice, and what is left is more than the markers' noise: names that do less than three "
@@ -322,7 +324,7 @@ def changed_trials(record: Record) -> list[str]:
     names, beside = alone(told["trials"], told["others"]), "the reference" if record["reference"] else "the others"
     causes = few([title(e) for e in answer["effects"]]) if answer["effects"] else "no effect named"
     by = answer.get("may_differ_by") or 0.0  # none in older answers
-    size = f"it may grow from trial to trial: within these by {by:.0%} to either side of what is told"
+    size = f"it may grow from trial to trial: {1 - by:.2g} to {1 + by:.2g} times its mean in these, told of one of them"
     return [f"{names}, diagnosed beside {beside}: {answer['verdict']}", causes, *([size] if by else [])]
 
 

@@ -14,7 +14,8 @@ what takes its place must leave less than LAW_ERROR of what that leaves: one tha
 trial to trial (s: how many were before it). Repeats that were all played as many trials later do not tell growth from a
 beginning if there are two of each setting; of three rounds the middle one does, and the last is held against the first.
 Gait by gait, what differs by as much from one repeat to the next need not grow from gait to gait: nothing is told.
-What is no chance, and less than most of what repeats differ by, is a hint at what hides in the noise, and no more.
+What is no chance, though every cause that was tried counts, and less than most of what repeats differ by, is a hint at
+what hides in the noise, and no more.
 
 Legend: T trials, P pairs, K windows that were played twice, S ways to divide trials, C numbers of a cause.
 """
@@ -163,7 +164,7 @@ def divided_or_hint(
     if not rounds and grew.left > LAW_ERROR**2 * each.left:  # every repeat differs by as much from the one before it,
         grew = replace(grew, chance=1.0)  # whenever it was played
     mostly = [f for f in (began, grew, went) if _told(f, squares)]
-    best = _first(mostly or [f for f in (began, grew, went) if f.chance <= LEFT])
+    best = _first(mostly or [f for f in (began, grew, went) if f.chance * len(causes) <= LEFT])
     if best is None:
         return None
     share = f"{1 - best.left / squares:.0%} of what repeats differ by is one cause (to first order {best.called})"
@@ -182,7 +183,7 @@ def divided_or_hint(
         apart += ", or which grows from trial to trial" if perhaps else ""
         said = f"something changed amid the campaign: {share} {apart}"
         found = Divided(said, changed, others, perhaps, _within(changed, others, names) if perhaps else 0.0)
-    return found if mostly else Divided(f"{share} {apart}", hint=True)
+    return replace(found, cause=best.called) if mostly else Divided(f"{share} {apart}", hint=True)
 
 
 def _named(names: Sequence[str], some: np.ndarray) -> tuple[str, ...]:

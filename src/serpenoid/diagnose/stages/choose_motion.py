@@ -25,6 +25,7 @@ from serpenoid.diagnose.inference.discrepancy import size_done
 from serpenoid.diagnose.inference.explanations import acts
 from serpenoid.diagnose.inference.finding import VISIBLE, Divided, Named, Stage
 from serpenoid.diagnose.inference.groups import Swap, groups
+from serpenoid.diagnose.inference.growing import grows_instead
 from serpenoid.diagnose.inference.jumps import find_jumps
 from serpenoid.diagnose.inference.law_doubt import Coordinate, Doubted, doubted, yielding
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
@@ -240,6 +241,11 @@ def finding(
         named = beside_what_is_left(motion, named)
     if motion.ratio is None:
         named = beside_paths(named, after / noise_level)
+    known = divided is not None and bool(divided.cause)  # by what repeats differ by: it is told
+    growing = grows_instead(found) if not known and any(n.effect.effect.moves for n in named) else ""
+    if growing:
+        named = [replace(n, stand_in=n.stand_in or n.effect.effect.moves) for n in named]
+        words = (*words, growing)
     ends = None if parts is None else ratio_beside(parts, found.settled)
     rivals, weak = tuple(s.rival for s in swaps), tuple(undetected)
     stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)
