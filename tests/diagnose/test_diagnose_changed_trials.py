@@ -16,7 +16,7 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import Protocol, usual, with_joints
 from serpenoid.cli.main import main
-from serpenoid.diagnose.changed_trials import mending_growth, sides
+from serpenoid.diagnose.changed_trials import in_any_trial, mending_growth, sides
 from serpenoid.diagnose.inference.finding import Divided, Named, Stage
 from serpenoid.diagnose.report.sentences import changed_trials
 from serpenoid.diagnose.residuals.in_some_trials import Cause, Differ, divided, divided_or_hint
@@ -114,6 +114,27 @@ def test_what_may_mend_a_cause_that_grows_is_a_stand_in() -> None:
     assert [(n.effect.name, n.stand_in) for n in mended.named] == [("worn_wheel", False), ("rolling_resistance", True)]
     assert [n.effect.name for n in mended.undetected] == ["toe"]  # it may change nothing
     assert kept.named == every
+
+
+def test_a_value_that_may_be_that_of_any_trial_has_an_interval_over_all_of_them() -> None:
+    """0.276, with trials within a quarter of their mean to either side: the smallest is told, or the largest."""
+    wheel = ActiveEffect.of("worn_wheel", 4, seizure=0.276)
+    (resting,) = (p.resting for p in wheel.effect.parameters)
+    low, high = in_any_trial(Named(wheel, {"seizure": (0.276, 0.276)}, 10.0), 0.25).intervals["seizure"]
+    (p,) = wheel.effect.parameters
+    x = p.coordinate(0.276) - resting
+    assert (low, high) == pytest.approx([p.value(resting + x * 0.75 / 1.25), p.value(resting + x * 1.25 / 0.75)])
+    left = Named(ActiveEffect.of("forward_backward_asymmetry", asymmetry=-0.2), {"asymmetry": (-0.25, -0.15)}, 10.0)
+    low, high = in_any_trial(left, 0.25).intervals["asymmetry"]
+    assert low is not None
+    assert high is not None
+    assert low < -0.25 * 1.25 / 0.75 + 0.05 < -0.15 < high < 0
+    lag = Named(ActiveEffect.of("servo_lag", lag=0.1), {"lag": (0.09, 0.11)}, 10.0)
+    assert in_any_trial(lag, 0.25) == lag
+    assert in_any_trial(left, 0.0) == left
+    unbounded = in_any_trial(Named(wheel, {"seizure": (0.2, 0.3)}, 10.0), 1.0).intervals["seizure"]
+    assert unbounded[0] is not None
+    assert unbounded[0] <= 0.2
 
 
 @pytest.mark.parametrize("differ", [{}, {"may_differ_by": None}, {"may_differ_by": 0.25}])

@@ -10,12 +10,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
-from serpenoid.diagnose.inference.finding import Divided, Stage
+from serpenoid.diagnose.inference.finding import Divided, Named, Stage
 from serpenoid.diagnose.reference import reference_of
 from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.values_of_motion import beside_known
 
 
 @dataclass(frozen=True)
@@ -58,7 +61,22 @@ def beside_growth(found: Diagnosis, grows: float) -> Diagnosis:
     motion, change = next(s for s in found.stages if s.name == "motion"), found.ratio_change
     does = [n.strength for n in motion.named if n.effect.effect.moves] + ([change.strength] if change else [])
     beside = mending_growth(motion, grows * max(does, default=0.0))
+    beside = replace(beside, named=tuple(in_any_trial(n, grows) for n in beside.named))
     return replace(found, stages=tuple(beside if s is motion else s for s in found.stages), grows=grows)
+
+
+def in_any_trial(named: Named, grows: float) -> Named:
+    """A cause of the floor, its intervals over what it may be in each of the trials: all are within a share of their
+    mean to either side, and what is told may be that of any."""
+    law = named.effect.effect
+    if not law.moves or not grows:
+        return named
+    ends = np.array([(1 - grows) / (1 + grows), (1 + grows) / (1 - grows) if grows < 1 else np.inf]) - 1
+    sizes = [
+        0.0 if p.neutral is None else x - p.resting
+        for p, x in zip(law.parameters, named.effect.coordinates, strict=False)
+    ]
+    return beside_known(named, np.array([np.sort(size * ends) if size else (0.0, 0.0) for size in sizes]))
 
 
 def mending_growth(stage: Stage, most: float) -> Stage:
