@@ -28,25 +28,26 @@ def needed(data: Plays, chosen: Sequence[ActiveEffect]) -> float:
     A candidate's column is what its law, where its fit begins, changes of what is played.
     """
     here = data.realised(chosen)
+    left = data.left(here)
     own = [slope for e in chosen for slope in slopes_of(data, chosen, e, here)[1]]
     everywhere: list[Floats] = []
     at_joint: list[Floats] = []
     for kind in shown(data):
         if kind.place is None and any(e.name == kind.name for e in chosen):
             continue
-        columns = [_changed(data, chosen, kind, start, here) for start in kind.starts(data.readings, data.quickest)]
+        columns = [_changed(data, chosen, kind, start, left) for start in kind.starts(data.readings, data.quickest)]
         (everywhere if kind.place is None else at_joint).extend(columns)
-    return largest_by_chance([_scored(data, data.left(here) / data.noise, own, everywhere, at_joint)])
+    return largest_by_chance([_scored(data, left / data.noise, own, everywhere, at_joint)])
 
 
-def _changed(data: Plays, chosen: Sequence[ActiveEffect], kind: ActuationEffect, start: Floats, here: Floats) -> Floats:
-    """What an effect everywhere changes (R, m), in units of noise."""
+def _changed(data: Plays, chosen: Sequence[ActiveEffect], kind: ActuationEffect, start: Floats, left: Floats) -> Floats:
+    """What an effect everywhere changes of what is left (R, m), in units of noise."""
     places, start = places_of(kind, data), np.atleast_2d(start)
     resting, typical = (np.array([[x] for x in f]) for f in _rests(kind.parameters))
     moderate = np.where(start == resting, typical, start)
     tried = [ActiveEffect.neutral(kind.name, p).with_coordinates(moderate[:, (p or 1) - 1]) for p in places]
     kept = [e for e in chosen if e.key not in {t.key for t in tried}]
-    return data.slope(here, data.realised([*kept, *tried]), 1.0) / data.noise
+    return data.slope(left, data.realised([*kept, *tried]), 1.0) / data.noise
 
 
 def _rests(parameters: Sequence[Parameter]) -> tuple[list[float], list[float]]:
@@ -78,7 +79,7 @@ def slopes_of(data: Plays, chosen: Sequence[ActiveEffect], effect: ActiveEffect,
     coordinates, in units of noise (P, R, m); here: what all of them play."""
     others = [e for e in chosen if e.key != effect.key]
     late = data.met(chosen)[1] if isinstance(effect.effect, ActuationEffect) and effect.effect.dead_time else None
-    played, missed = [], []
+    left, played, missed = data.left(here), [], []
     for k, (p, x) in enumerate(zip(effect.effect.parameters, effect.coordinates, strict=False)):
         little = 1e-4 * max(abs(x), 1e-3 * abs(p.coordinate(p.typical)))
         step = (p.across if data.held else 0.0) or little
@@ -86,5 +87,5 @@ def slopes_of(data: Plays, chosen: Sequence[ActiveEffect], effect: ActiveEffect,
         moved = data.realised(effects)
         bare = moved if late is None else data.begun_at(effects, late)  # a start that is open would follow it
         played.append(np.where(data.read, bare - here, 0.0) / step / data.noise)
-        missed.append(data.slope(here, moved, step) / data.noise)
+        missed.append(data.slope(left, moved, step) / data.noise)
     return np.stack(played), np.stack(missed)

@@ -41,7 +41,7 @@ def fit_together(data: Plays, chosen: Sequence[ActiveEffect], steps: float = np.
         cost = float(data.sizes(left).sum())
         moved = [data.begun_at(at(values + np.where(sets == k, small, 0.0)), late) for k in range(sets.max() + 1)]
         change = [_at_place(moved[k] - here, e) for k, e in zip(sets, owner, strict=True)]
-        slopes = np.stack([data.slope(here, here + c, x) for c, x in zip(change, small, strict=True)]) / data.noise
+        slopes = np.stack([data.slope(left, here + c, x) for c, x in zip(change, small, strict=True)]) / data.noise
         # what is left is at the best moves of clocks, so that only the bare change turns it into the gradient
         pull = np.array([(left * c / data.noise**2).sum() for c in change]) / small
         matrix = np.einsum("irm,jrm->ij", slopes, slopes)

@@ -154,9 +154,9 @@ class Plays:
         rates = np.concatenate([np.gradient(played[mine], time, axis=0) for mine, time in parts])
         return np.where(self.read, rates, 0.0)
 
-    def slope(self, played: Floats, moved: Floats, step: float) -> Floats:
-        """By which `left` (R, m) falls with a parameter whose `step` moves what is played."""
-        return np.asarray((self.left(played) - self.left(moved)) / step)
+    def slope(self, left: Floats, moved: Floats, step: float) -> Floats:
+        """By which what is `left` (R, m) falls with a parameter whose `step` moves what is played (R, m)."""
+        return np.asarray((left - self.left(moved)) / step)
 
     def realised(self, effects: Sequence[ActiveEffect]) -> Floats:
         """What the servos would read (R, m) with these effects, in place of or after the known ones."""
