@@ -17,7 +17,7 @@ from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.stages.looked import Looked
 from serpenoid.diagnose.stages.marker_evidence import sample
-from serpenoid.diagnose.stages.seen_by_trial import seen_by_trial, slipping
+from serpenoid.diagnose.stages.seen_by_trial import seen_by_trial, slipping, two_values
 
 FITS = 6
 
@@ -87,8 +87,25 @@ def test_a_step_is_no_steady_change_and_what_all_trials_share_or_none_shows_is_n
     assert stepped is not None
     assert not stepped.told.steady
     assert "marker_offset at vertex 5 differs from trial to trial" in stepped.told.words
+    names = tuple(r.name for r in recordings)
+    assert (stepped.divided.changed, stepped.divided.others) == (names[2:], names[:2])
+    where = f"marker_offset at vertex 5 is another in `{names[2]}` and `{names[3]}`: along "
+    assert stepped.divided.words.startswith(where)
+    assert float(stepped.divided.words.split(" mm there, ")[1].split()[-1]) == pytest.approx(10, abs=0.3)
     assert seen_by_trial(recordings, looked(recordings), FITS) is None
     assert seen_by_trial(recordings[:3], looked(recordings[:3]), FITS) is None
+
+
+def test_values_on_a_line_are_no_two_and_of_two_the_larger_ones_act() -> None:
+    line = np.linspace(0, 1, 12)[:, None] * [[3.0, -4.0]]
+    assert two_values(line) is None
+    scattered = np.random.default_rng(3).normal(size=(12, 2))
+    assert two_values(scattered) is None
+    some = np.array([0, 0, 1, 1, 0, 1], dtype=bool)
+    both = 0.05 * np.random.default_rng(4).normal(size=(6, 2)) + np.where(some[:, None], [-4.0, 1.0], 0.0)
+    assert two_values(both) == some.tolist()
+    assert two_values(both - [-4.0, 1.0]) == (~some).tolist()
+    assert two_values(np.array([[0.0], [0.1], [5.0], [-0.1]])) == [False, False, True, False]
 
 
 def test_what_only_mends_a_marker_that_slips_is_taken_out_at_its_place(recordings: tuple[Recording, ...]) -> None:

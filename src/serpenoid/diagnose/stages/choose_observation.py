@@ -78,7 +78,7 @@ def choose_observation(
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
     left, words, squares, new, divided = _left_over(best, before)
     if slips is not None and words:
-        words, divided = (words[0], slips.told.words), Divided(slips.told.words)
+        words, divided = (words[0], slips.divided.words), slips.divided
         refused = tuple(w for w in refused if not any(w.startswith(f"{e} would") for e in slips.told.called))
     mend = other if any(n.stand_in for n in named) else None
     words += () if mend is None else (mend.words,)

@@ -114,7 +114,7 @@ def said_by_trial(effects: Sequence[Sequence[ActiveEffect]], names: Sequence[str
     steady, runs = _steady(way), []
     for p, run in zip(of.effect.parameters, values.T, strict=True):
         first, last = (0, -1) if steady else (int(run.argmin()), int(run.argmax()))
-        told = (f"{_told(run[t], p.unit, np.abs(run).max())} in `{names[t]}`" for t in (first, last))
+        told = (f"{with_unit(run[t], p.unit, np.abs(run).max())} in `{names[t]}`" for t in (first, last))
         runs.append(f"{p.name} {', '.join(told)}")
     how = "changes steadily" if steady else "differs"
     where = "all joints" if len(effects[0]) == joints else f"joints {listed([str(e.place) for e in effects[0]])}"
@@ -123,7 +123,7 @@ def said_by_trial(effects: Sequence[Sequence[ActiveEffect]], names: Sequence[str
     return ByTrial(words, steady, tuple(e.called for e in effects[0]))
 
 
-def _told(value: float, unit: str, largest: float) -> str:
+def with_unit(value: float, unit: str, largest: float) -> str:
     """A value of a run, by three digits of its largest."""
     scale, unit = (1e3, " mm") if unit == "m" else (1.0, "" if unit == "1" else f" {unit}")
     digits = 2 - int(np.floor(np.log10(max(scale * largest, 1e-12))))

@@ -14,26 +14,31 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from serpenoid.body import Floats
 from serpenoid.diagnose.data.columns import columns_of
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.inference.finding import Divided, alone
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.inference.prices import Priced, cheapest
-from serpenoid.diagnose.stages.law_by_trial import LEAST, ByTrial, said_by_trial
+from serpenoid.diagnose.stages.law_by_trial import LEAST, ByTrial, said_by_trial, with_unit
 from serpenoid.diagnose.stages.looked import Key, Looked, effect_of, solved
 from serpenoid.diagnose.stages.marker_evidence import sample
+from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
 
 
 @dataclass(frozen=True)
 class SeenByTrial:
     """An effect whose numbers are each trial's own, beside what is found in all of them: in words; models: of each
-    trial; key: which it is; priced: what all of it leaves, and how many numbers it has."""
+    trial; key: which it is; priced: what all of it leaves, and how many numbers it has; divided: trials, where it has
+    one value in some and another in the others."""
 
     told: ByTrial
     models: tuple[Observation, ...]
     key: Key
     priced: Priced
+    divided: Divided
 
 
 def slipping(recordings: Sequence[Recording], best: Looked, full_fits: int) -> tuple[Looked, SeenByTrial | None]:
@@ -69,10 +74,44 @@ def seen_by_trial(recordings: Sequence[Recording], best: Looked, full_fits: int)
     if found is None or left[found] - count > LAW_ERROR**2 * (before - count):
         return None
     effects = [[effect_of(p, tried[found])] for p in fits[found]]
-    said = said_by_trial(effects, [r.name for r in recordings], body.joint_count)
+    names = [r.name for r in recordings]
+    said = said_by_trial(effects, names, body.joint_count)
     all_numbers = numbers[found] + len(best.own)
-    models = tuple(p.now for p in fits[found])
-    return SeenByTrial(said, models, tried[found], Priced(left[found], all_numbers, count))
+    models, priced = tuple(p.now for p in fits[found]), Priced(left[found], all_numbers, count)
+    return SeenByTrial(said, models, tried[found], priced, divided([e for (e,) in effects], names, said.words))
+
+
+def divided(effects: Sequence[ActiveEffect], names: Sequence[str], words: str) -> Divided:
+    """Trials by an effect's values in each: those in which there is more of it, and the others; in other words where
+    there are no two values."""
+    parameters = effects[0].effect.parameters
+    values = np.array([[e.parameters[p.name] for p in parameters] for e in effects])
+    acts = two_values(values if len({p.unit for p in parameters}) == 1 else values[:, :1])
+    if acts is None:
+        return Divided(words)
+    changed, others = (tuple(n for n, a in zip(names, acts, strict=True) if a is side) for side in (True, False))
+    means = zip(parameters, values[acts].mean(axis=0), values[~np.array(acts)].mean(axis=0), strict=True)
+    sizes = [(p, a, b, max(abs(a), abs(b))) for p, a, b in means]
+    runs = [
+        f"{p.name} {with_unit(a, p.unit, most)} there, {with_unit(b, p.unit, most)} else" for p, a, b, most in sizes
+    ]
+    where = alone(changed, others)
+    return Divided(f"{effects[0].called} is another in {where}: {', and '.join(runs)}", changed, others)
+
+
+def two_values(values: Floats) -> list[bool] | None:
+    """Of values (T, C) in each trial, whether they are the larger ones of two; None where they differ within the two
+    sides by LAW_ERROR of what they differ by, as values on a line do."""
+    about = values - values.mean(axis=0)
+    along = about @ np.linalg.svd(about, full_matrices=False)[2][0]
+    order = np.argsort(along)
+    ways = [np.isin(np.arange(len(values)), order[:first]) for first in range(1, len(values))]
+    within = [sum(((values[side] - values[side].mean(axis=0)) ** 2).sum() for side in (w, ~w)) for w in ways]
+    best = int(np.argmin(within))
+    if within[best] >= LAW_ERROR**2 * (about**2).sum():
+        return None
+    size = [float(np.linalg.norm(values[side].mean(axis=0))) for side in (ways[best], ~ways[best])]
+    return [bool(x) for x in (ways[best] if size[0] > size[1] else ~ways[best])]
 
 
 def _fitted(parts: Sequence[Looked], key: Key) -> list[Looked]:
