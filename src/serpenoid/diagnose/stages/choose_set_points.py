@@ -32,15 +32,16 @@ def plays(recordings: Sequence[Recording], held: bool | None = None) -> Plays:
     """Readings beside the set-points that they follow best, as they are or with a law for all servos, told later or
     not; held: whether rows are, where that is known.
 
-    Noise is the least that readings have about any of it: about a smooth course, those of servos that jump scatter
-    widely, and a way that is wrong is followed. Laws of several numbers are tried where those of fewer leave something
-    of most joints: what one joint does by itself no law of all servos tells.
+    What servos do from some trial on no law of all trials tells: each way is tried with trials that are late by a time
+    of their own, too. Noise is the least that readings have about any of it: about a smooth course, those of servos
+    that jump scatter widely, and a way that is wrong is followed. Laws of several numbers are tried where those of
+    fewer leave something of most joints: what one joint does by itself no law of all servos tells.
     """
     every = list(ways(recordings, held))
     noise = np.min([data.noise for data in every], axis=0)
     every = [replace(data, noise=noise) for data in every]
     few, *sets = _by_numbers(shown(every[0]))
-    found = [(data, played) for data, played in zip(every, _by_each(every, few), strict=True)]
+    found = [(data, [*played, data.each_later()]) for data, played in zip(every, _by_each(every, few), strict=True)]
     for laws in sets:
         for data, played in found:
             if any(np.median(of.missed(p)) < VISIBLE**2 for of, known in found for p in known):

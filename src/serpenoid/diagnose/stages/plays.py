@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import NORMAL, structure
 from serpenoid.diagnose.data.course import Course, Readings
-from serpenoid.diagnose.data.recording import ACTED_ON_S, Recording
+from serpenoid.diagnose.data.recording import ACTED_ON_S, UNSURE_CYCLE, Recording
 from serpenoid.diagnose.data.smooth import scatter
 from serpenoid.diagnose.stages.marker_evidence import AVERAGED_S
 from serpenoid.effects.active import ActiveEffect, joined
@@ -201,6 +201,18 @@ class Plays:
             Readings(time, self.readings[rows], self.unsure_start(r), r.schedule.jumps_every_s)
             for r, time, rows in zip(self.recordings, self.times, self._rows, strict=True)
         ]
+
+    def each_later(self) -> Floats:
+        """What servos read (R, m) that do as they are told, in each trial later by a time of its own: a dead time that
+        begins amid the campaign is that, whatever logs say of when trials began."""
+        played, late = self._played(()), []
+        for r, time, rows, mesh, angles in zip(
+            self.recordings, self.times, self._rows, self.meshes, played, strict=True
+        ):
+            most = UNSURE_CYCLE * r.schedule.cycle_duration_s
+            read = Readings(time, self.readings[rows], most, r.schedule.jumps_every_s)
+            late.append(read.late(Course(mesh, angles)))
+        return self._sampled(played, late)
 
     def later(self, effects: Sequence[ActiveEffect]) -> Floats:
         """By how much later [s] than logs say each trial began, for readings to meet what servos do with these effects
