@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.folder import write
 from blind.schedule import delayed, lagged, swung
+from blind.study import Study
 from diagnose.test_diagnose_servo_inertia import SEED, Play, alone, logged
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
@@ -84,3 +86,24 @@ def test_where_nothing_says_when_a_trial_began_a_delay_is_a_late_start(recording
     stage = choose_actuation(plays([untold(r) for r in logged(recordings, late(0.06))]))
     assert stage.settled
     assert not stage.named
+
+
+def test_trials_may_each_be_late_by_a_time_of_their_own(recordings: tuple[Recording, ...]) -> None:
+    """The last trials read what was commanded 34 ms before."""
+    data = plays([replace(r, log_time=r.log_time + 0.034 * (i > 1)) for i, r in enumerate(recordings)])
+    assert not data.held
+    assert (data.channels(data.each_later()) < 1.1).all()
+    assert (data.channels(data.realised([])) > 5).all()
+
+
+@pytest.mark.slow  # a campaign of sixteen trials
+def test_a_delay_that_begins_amid_a_campaign_takes_no_rows_for_held(tmp_path: Path) -> None:
+    """34 ms in the last five trials: held rows are half a row late, in between, and were said to be what servos follow
+    in all but one."""
+    case = Study("amid", tmp_path, None, key="gates-48").case(14)
+    write(case.campaign, tmp_path / "case")
+    data = plays(read_recordings(tmp_path / "case")[1])
+    assert not data.held
+    stage = choose_actuation(data)
+    assert stage.divided is not None
+    assert stage.divided.changed == tuple(f"gait{n:02}-a-2" for n in range(4, 9))
