@@ -24,6 +24,7 @@ from serpenoid.diagnose.data.recording import ACTED_ON_S, UNSURE_CYCLE, Recordin
 from serpenoid.diagnose.data.smooth import scatter
 from serpenoid.diagnose.stages.marker_evidence import AVERAGED_S
 from serpenoid.effects.active import ActiveEffect, joined
+from serpenoid.measure.clock import bridged
 from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium
@@ -204,8 +205,10 @@ class Plays:
 
     def each_later(self) -> Floats:
         """What servos read (R, m) that do as they are told, in each trial later by a time of its own: a dead time that
-        begins amid the campaign is that, whatever logs say of when trials began."""
-        played, late = self._played(()), []
+        begins amid the campaign is that, whatever logs say of when trials began. Commands that a log does not have are
+        bridged."""
+        played = [bridged(mesh, angles) for mesh, angles in zip(self.meshes, self._played(()), strict=True)]
+        late = []
         for r, time, rows, mesh, angles in zip(
             self.recordings, self.times, self._rows, self.meshes, played, strict=True
         ):
