@@ -82,13 +82,17 @@ def test_a_joint_that_reads_more_and_a_path_that_drifts_are_told_by_how_much(tra
     np.testing.assert_allclose(found["joints_rad"], expected, atol=2e-3)
 
 
-def test_repeats_of_either_campaign_tell_what_chance_makes(tracks: tuple[Track, ...]) -> None:
-    """One pair of a setting then, none now: the pair of then alone."""
+def test_chance_is_told_by_repeats_of_the_reference_or_by_those_since(tracks: tuple[Track, ...]) -> None:
+    """A change amid the later campaign sets its repeats apart, and is no chance."""
     found, alone = apart(once(tracks), tracks), apart(tracks, once(tracks))
     assert found is not None
     assert alone is not None
     assert found["repeats_m"] == alone["repeats_m"] > 0
     assert found["joints_repeats_rad"] == alone["joints_repeats_rad"]
+    amid = apart([tracks[0], bent(tracks[1], 3), *tracks[2:]], tracks)
+    assert amid is not None
+    assert amid["joints_repeats_rad"] == found["joints_repeats_rad"]
+    assert amid["joints_rad"][2] > 5 * amid["joints_repeats_rad"][2]
 
 
 def test_other_gaits_are_not_compared(tracks: tuple[Track, ...]) -> None:

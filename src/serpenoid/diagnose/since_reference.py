@@ -1,7 +1,8 @@
 """What is otherwise than in an earlier campaign, whatever the model: joint angles and paths of the same gaits.
 
 Trials of one setting are compared boundary by boundary of their windows, each path from its own first pose. So are
-repeats within either campaign. Nothing is fitted and nothing is judged: a change that no effect explains is here, too.
+repeats within the earlier campaign, in which nothing has changed, or within the later one where that has none. Nothing
+is fitted and nothing is judged: a change that no effect explains is here, too.
 
 Legend: B boundaries, m joints.
 """
@@ -61,15 +62,15 @@ def since_reference(d: Diagnosis) -> dict[str, Any] | None:
 
 
 def apart(now: Sequence[Track], then: Sequence[Track]) -> dict[str, Any] | None:
-    """RMS differences from the earlier trials of the same settings [m, rad], and those of repeats of either campaign
-    (null: nothing was played twice); None where no setting is in both."""
+    """RMS differences from the earlier trials of the same settings [m, rad], and those of repeats (null: nothing was
+    played twice); None where no setting is in both."""
     before, after = by_setting(then), by_setting(now)
     both = [s for s in after if s in before]
     if not both:
         return None
     joints = now[0].recording.body.joint_count
     across = {s: [(now[a], then[b]) for a, b in product(after[s], before[s])] for s in both}
-    again = {s: [*_repeats(now, after[s]), *_repeats(then, before[s])] for s in both}
+    again = {s: _repeats(then, before[s]) or _repeats(now, after[s]) for s in both}
     gaits = [
         {"gait": s[0], "cycle_duration_s": s[1], "path_m": Apart.of(across[s], joints).path_m,
          "repeats_m": Apart.of(again[s], joints).path_m}

@@ -52,7 +52,7 @@ CAPTIONS = {
     "needed. Wrong candidates can gain much by standing in for the right one, so the best are fitted in full and "
     "compared again; where one was chosen for a while and is not named, the reason is written there.",
     "since-reference": "Without any model: by how much joint angles and paths of the same gaits differ from the "
-    "reference's, each path from its own first pose. Dashed: what repeats within either campaign differ by.",
+    "reference's, each path from its own first pose. Dashed: what repeats differ by, the reference's where it has any.",
     "next-experiment": "Its joint angles.",
 }
 FIGURES = {
