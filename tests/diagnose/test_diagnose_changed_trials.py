@@ -19,12 +19,19 @@ from serpenoid.cli.main import main
 from serpenoid.diagnose.changed_trials import in_any_trial, mending_growth, sides
 from serpenoid.diagnose.inference.finding import Divided, Named, Stage
 from serpenoid.diagnose.report.sentences import changed_trials
-from serpenoid.diagnose.residuals.in_some_trials import Cause, Differ, divided, divided_or_hint
+from serpenoid.diagnose.residuals.in_some_trials import Cause, Differ
+from serpenoid.diagnose.residuals.in_some_trials import divided as divided_or_hint
 from serpenoid.effects.active import ActiveEffect
 
 GAITS = 6
 PAIRS = [(g, g + GAITS) for g in range(GAITS)]
 WORN = Effect("worn_wheel", 6, {"seizure": 0.6})
+
+
+def divided(*of: Any) -> Divided | None:
+    """Without hints."""
+    found = divided_or_hint(*of)
+    return None if found is None or found.hint else found
 
 
 def told(

@@ -83,8 +83,7 @@ def mending_growth(stage: Stage, most: float) -> Stage:
     """Names of the floor that do no more than so much, over the noise, may mend what one size of the largest leaves of
     trials in which it differs by that: stand-ins, and no names where they may change nothing."""
     every = [replace(n, stand_in=n.stand_in or (n.effect.effect.moves and n.strength <= most)) for n in stage.named]
-    named = tuple(n for n in every if not (n.stand_in and n.may_change_nothing))
-    return replace(stage, named=named, undetected=(*stage.undetected, *(n for n in every if n not in named)))
+    return stage.naming(every)
 
 
 def _as_it_was(

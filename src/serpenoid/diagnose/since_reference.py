@@ -45,6 +45,11 @@ class Apart:
             paths, seen = paths + float((away**2).sum()), seen + len(away)
         return cls(angles, read, paths, seen)
 
+    @classmethod
+    def together(cls, parts: Sequence[Apart]) -> Apart:
+        """Of the pairs of several, one at least."""
+        return cls(*(sum(each) for each in zip(*((p.angles, p.read, p.paths, p.seen) for p in parts), strict=True)))
+
     @property
     def joints_rad(self) -> Floats | None:
         """RMS (m,), None where nothing was compared."""
@@ -69,14 +74,13 @@ def apart(now: Sequence[Track], then: Sequence[Track]) -> dict[str, Any] | None:
     if not both:
         return None
     joints = now[0].recording.body.joint_count
-    across = {s: [(now[a], then[b]) for a, b in product(after[s], before[s])] for s in both}
-    again = {s: _repeats(then, before[s]) or _repeats(now, after[s]) for s in both}
+    across = [Apart.of([(now[a], then[b]) for a, b in product(after[s], before[s])], joints) for s in both]
+    again = [Apart.of(_repeats(then, before[s]) or _repeats(now, after[s]), joints) for s in both]
     gaits = [
-        {"gait": s[0], "cycle_duration_s": s[1], "path_m": Apart.of(across[s], joints).path_m,
-         "repeats_m": Apart.of(again[s], joints).path_m}
-        for s in both
-    ]  # fmt: skip
-    changed, repeated = (Apart.of([p for s in both for p in pairs[s]], joints) for pairs in (across, again))
+        {"gait": gait, "cycle_duration_s": cycle_s, "path_m": changed.path_m, "repeats_m": repeated.path_m}
+        for (gait, cycle_s), changed, repeated in zip(both, across, again, strict=True)
+    ]
+    changed, repeated = Apart.together(across), Apart.together(again)
     turned, chance = changed.joints_rad, repeated.joints_rad
     return {
         "path_m": changed.path_m, "repeats_m": repeated.path_m, "gaits": gaits,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Any
 
@@ -141,6 +141,11 @@ class Stage:
     divided: Divided | None = None
     each: tuple[Observation, ...] = ()
     hiding: str = ""
+
+    def naming(self, every: Sequence[Named]) -> Stage:
+        """With these names; stand-ins that may change nothing are none, and too weak."""
+        named = tuple(n for n in every if not (n.stand_in and n.may_change_nothing))
+        return replace(self, named=named, undetected=(*self.undetected, *(n for n in every if n not in named)))
 
     @property
     def settled(self) -> bool:

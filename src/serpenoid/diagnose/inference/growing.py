@@ -17,19 +17,18 @@ from __future__ import annotations
 import numpy as np
 
 from serpenoid.diagnose.data.windows import columns_of, predictions
+from serpenoid.diagnose.inference.law_error import ON_A_LINE
 from serpenoid.diagnose.inference.medium import candidates_of, of_windows
 from serpenoid.diagnose.inference.prices import Priced, cheapest
 from serpenoid.diagnose.inference.select import Selection
 from serpenoid.simulation.sensitivity import EPS
 from serpenoid.wording import GROWING
 
-LEAST = 4  # trials: three points lie nearly on a line by chance
-
 
 def grows_instead(found: Selection) -> str:
     """What grows, in words, if that is cheaper than all that is named of the motion; else empty."""
     motion, null, best = found.motion, found.null, found.best
-    if not best.effects or len(motion.tracks) < LEAST or any(t.noise is not None for t in motion.tracks):
+    if not best.effects or len(motion.tracks) < ON_A_LINE or any(t.noise is not None for t in motion.tracks):
         return ""
     tried = [c for c in candidates_of(null) if not c.effect.remembers]  # to first order what does explains all pauses
     predicted = predictions(null.model, motion.tracks, tried, null.predictions)

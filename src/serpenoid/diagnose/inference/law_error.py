@@ -17,6 +17,7 @@ from serpenoid.diagnose.inference.prices import E
 from serpenoid.effects.active import ActiveEffect
 
 LAW_ERROR = 1 / 3  # of what an effect does
+ON_A_LINE = 4  # trials: three points lie nearly on one by chance
 
 
 def far_less(calm: Floats, astray: Floats) -> NDArray[np.bool_]:

@@ -127,7 +127,7 @@ def one_cause_in_some(motion: Motion, found: Fit, since: Collection[str] = ()) -
     if len(played) < FEW or any(t.noise is not None for t in motion.tracks):
         return None
     differ, causes = _causes(motion, found)
-    return divided_or_hint(differ, causes, played, [t.recording.name for t in motion.tracks], since)
+    return divided(differ, causes, played, [t.recording.name for t in motion.tracks], since)
 
 
 def divided(
@@ -137,19 +137,8 @@ def divided(
     names: Sequence[str],
     since: Collection[str] = (),
 ) -> Divided | None:
-    """Trials, by name, of which pairs differ so, as causes tell; None where none has its moment."""
-    found = divided_or_hint(differ, causes, played, names, since)
-    return None if found is None or found.hint else found
-
-
-def divided_or_hint(
-    differ: Differ,
-    causes: Sequence[Cause],
-    played: Sequence[tuple[int, int]],
-    names: Sequence[str],
-    since: Collection[str] = (),
-) -> Divided | None:
-    """The same, or what hides in the noise: no chance, and less than most of what repeats differ by."""
+    """Trials, by name, of which pairs differ so, as causes tell, or a hint at what hides in the noise: no chance, and
+    less than most of what repeats differ by. None where no cause has its moment."""
     squares = differ.total
     if squares <= 0:
         return None

@@ -99,7 +99,7 @@ def _chosen(data: Plays) -> tuple[Stage, Played]:
     words += () if divided is None else (divided.words,)
     some = divided is not None and divided.changed  # a law that acts in these alone leaves much where it acts in all
     if by_trial is not None and divided is not None and divided.words == by_trial.words:  # it is their law
-        refused = tuple(w for w in refused if not any(w.startswith(f"{e} would") for e in by_trial.called))
+        refused = by_trial.of_others(refused)
     words += refused if misses and not some else ()
     named = tuple(n for n in every if n.strength >= VISIBLE and not n.may_change_nothing)
     undetected = tuple(n for n in every if n not in named)

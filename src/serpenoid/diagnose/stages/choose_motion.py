@@ -129,13 +129,10 @@ def choose_on_tracks(
     say("what else it could be")
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline), parts)
     every = tuple(beside_known(n, baseline.doubt_of(n.effect)) for n in found.stage.named)
-    named = tuple(n for n in every if not (n.stand_in and n.may_change_nothing))
-    undetected = (*found.stage.undetected, *(n for n in every if n not in named))
     barred = not_looked_for(baseline, untestable)
     drag_at = "" if law.words else middles.words
     stage = replace(
-        found.stage, named=named, undetected=undetected, untestable=barred,
-        laws=law.rivals, law_taken=law.words, drag_at=drag_at,
+        found.stage.naming(every), untestable=barred, laws=law.rivals, law_taken=law.words, drag_at=drag_at,
     )  # fmt: skip
     return replace(found, stage=stage, baseline=baseline)
 

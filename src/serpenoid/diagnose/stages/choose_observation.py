@@ -57,10 +57,12 @@ def choose_observation(
     best = earned(best, bare, Looked.each_without, lambda f: np.inf if _another(bare, f) else f.needed)
     best = _beside_play(best, before)
     best, refused = lawful(best, _effects, _law_error, Looked.without_one)
-    if _left_over(best, before)[-1] is not None:  # what the whole body shares in all trials may only mend that
+    whole = _left_over(best, before)
+    if whole[-1] is not None:  # what the whole body shares in all trials may only mend that
         best, more_refused = lawful(best, _effects, _law_error, Looked.without_one, shared=LAW_ERROR)
         refused += more_refused
-    *_, news, sides = _left_over(best, before)
+        whole = _left_over(best, before)
+    *_, news, sides = whole
     slips = None
     if any(news) and not (sides and sides.changed):  # which of a marker, a horn, or the scale: one channel does not say
         best, slips = slipping(recordings, best, FULL_FITS)
@@ -76,10 +78,10 @@ def choose_observation(
     named, torn = _torn([n for n in every if n.strength >= VISIBLE])
     undetected = tuple(n for n in every if n.strength < VISIBLE)
     rivals = tuple(r for k in best.keys if k in {n.effect.key for n in named} for r in rivals_of(best, k))
-    left, words, squares, new, divided = _left_over(best, before)
+    left, words, squares, new, divided = whole if slips is None else _left_over(best, before)
     if slips is not None and words:
         words, divided = (words[0], slips.divided.words), slips.divided
-        refused = tuple(w for w in refused if not any(w.startswith(f"{e} would") for e in slips.told.called))
+        refused = slips.told.of_others(refused)
     mend = other if any(n.stand_in for n in named) else None
     words += () if mend is None else (mend.words,)
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)

@@ -17,7 +17,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.inference.finding import VISIBLE
-from serpenoid.diagnose.inference.law_error import LAW_ERROR
+from serpenoid.diagnose.inference.law_error import LAW_ERROR, ON_A_LINE
 from serpenoid.diagnose.stages.actuation_by_joint import fit_everywhere
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect
@@ -25,8 +25,6 @@ from serpenoid.parallel import in_processes
 from serpenoid.wording import listed
 
 Key = tuple[str, int | None]
-
-LEAST = 4  # trials: three points lie nearly on a line by chance
 
 
 @dataclass(frozen=True)
@@ -38,12 +36,16 @@ class ByTrial:
     steady: bool
     called: tuple[str, ...] = ()
 
+    def of_others(self, refused: Sequence[str]) -> tuple[str, ...]:
+        """Why effects were refused (`lawful`), but for these: that they differ is why."""
+        return tuple(w for w in refused if not any(w.startswith(f"{e} would") for e in self.called))
+
 
 def law_by_trial(data: Plays, found: Sequence[ActiveEffect], suspects: Sequence[ActiveEffect]) -> ByTrial | None:
     """How the suspect that leaves least so differs from trial to trial, beside what is found; None where none does. One
     law at several joints counts as each of them alone, and as all together: a battery that sags weakens every servo."""
     trials = len(data.recordings)
-    if not suspects or trials < LEAST or not all(data.begun(r) for r in data.recordings):
+    if not suspects or trials < ON_A_LINE or not all(data.begun(r) for r in data.recordings):
         return None
     beyond = _beyond(data, data.chi2(data.realised(found)))
     parts = [of_trial(data, t) for t in range(trials)]
@@ -60,7 +62,7 @@ def law_by_trial(data: Plays, found: Sequence[ActiveEffect], suspects: Sequence[
         every.append((share, together, [does for _, does in judged]))
     share, effects, does = min(every, key=lambda one: one[0])
     acts = [t for t in range(trials) if does[t] > VISIBLE] if share < LAW_ERROR else []
-    if len(acts) < LEAST:
+    if len(acts) < ON_A_LINE:
         return None
     joints = data.readings.shape[1]
     return said_by_trial([effects[t] for t in acts], [data.recordings[t].name for t in acts], joints)

@@ -197,24 +197,21 @@ class Plays:
 
     @cached_property
     def _read_late(self) -> list[Readings]:
-        """Of each trial."""
-        return [
-            Readings(time, self.readings[rows], self.unsure_start(r), r.schedule.jumps_every_s)
-            for r, time, rows in zip(self.recordings, self.times, self._rows, strict=True)
-        ]
+        """Of each trial, as far as its start is open."""
+        return self._met_within([self.unsure_start(r) for r in self.recordings])
+
+    def _met_within(self, most: Sequence[float]) -> list[Readings]:
+        """Of each trial, met no more than so much [s] earlier or later."""
+        parts = zip(self.recordings, self.times, self._rows, most, strict=True)
+        return [Readings(time, self.readings[rows], s, r.schedule.jumps_every_s) for r, time, rows, s in parts]
 
     def each_later(self) -> Floats:
         """What servos read (R, m) that do as they are told, in each trial later by a time of its own: a dead time that
         begins amid the campaign is that, whatever logs say of when trials began. Commands that a log does not have are
         bridged."""
         played = [bridged(mesh, angles) for mesh, angles in zip(self.meshes, self._played(()), strict=True)]
-        late = []
-        for r, time, rows, mesh, angles in zip(
-            self.recordings, self.times, self._rows, self.meshes, played, strict=True
-        ):
-            most = UNSURE_CYCLE * r.schedule.cycle_duration_s
-            read = Readings(time, self.readings[rows], most, r.schedule.jumps_every_s)
-            late.append(read.late(Course(mesh, angles)))
+        every = self._met_within([UNSURE_CYCLE * s.cycle_duration_s for s in self._schedules])
+        late = [r.late(Course(mesh, angles)) for r, mesh, angles in zip(every, self.meshes, played, strict=True)]
         return self._sampled(played, late)
 
     def later(self, effects: Sequence[ActiveEffect]) -> Floats:

@@ -19,9 +19,9 @@ from serpenoid.diagnose.data.columns import columns_of
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.finding import Divided, alone
-from serpenoid.diagnose.inference.law_error import LAW_ERROR
+from serpenoid.diagnose.inference.law_error import LAW_ERROR, ON_A_LINE
 from serpenoid.diagnose.inference.prices import Priced, cheapest
-from serpenoid.diagnose.stages.law_by_trial import LEAST, ByTrial, said_by_trial, with_unit
+from serpenoid.diagnose.stages.law_by_trial import ByTrial, said_by_trial, with_unit
 from serpenoid.diagnose.stages.looked import Key, Looked, effect_of, solved
 from serpenoid.diagnose.stages.marker_evidence import sample
 from serpenoid.effects.active import ActiveEffect
@@ -58,7 +58,7 @@ def slipping(recordings: Sequence[Recording], best: Looked, full_fits: int) -> t
 
 def seen_by_trial(recordings: Sequence[Recording], best: Looked, full_fits: int) -> SeenByTrial | None:
     """The effect that costs least so, beside what is found in all trials; None where none differs."""
-    if len(recordings) < LEAST:
+    if len(recordings) < ON_A_LINE:
         return None
     parts = [replace(best, data=sample([r])) for r in recordings]
     body, count = best.data.body, sum(p.data.count for p in parts)

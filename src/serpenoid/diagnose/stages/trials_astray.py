@@ -12,7 +12,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.inference.finding import VISIBLE, Divided
-from serpenoid.diagnose.inference.law_error import LAW_ERROR, far_less
+from serpenoid.diagnose.inference.law_error import LAW_ERROR, ON_A_LINE, far_less
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.measure.cells import listed
 
@@ -68,7 +68,7 @@ def _trend(data: Plays, played: Floats, left: Floats, joint: int) -> Divided | N
     that is so in the same way."""
     gains = np.array([_gains(played, left, data.trials == t)[0] for t in range(len(data.recordings))])
     order = np.arange(len(gains)) - (len(gains) - 1) / 2
-    if len(gains) < 4:  # three points lie nearly on a line by chance
+    if len(gains) < ON_A_LINE:
         return None
     about = gains - gains.mean(axis=0)
     slopes = order @ about / (order @ order)
