@@ -23,6 +23,7 @@ from serpenoid.robot.emulator.server import PtyServer
 from serpenoid.robot.emulator.servo import EmulatedServo
 from serpenoid.robot.models import DEFAULT, ServoModel, models
 from serpenoid.robot.table import write_table
+from serpenoid.robot.timing import older_objects_left_alone
 
 ROOT = Path(__file__).parents[2]
 ROBOT_FILE = ROOT / "problems" / "robots" / "snake10-robot.toml"
@@ -91,13 +92,14 @@ def serving(chain: Chain, folder: Path, baud_rate: int = 1000000) -> Iterator[Em
     server = PtyServer(chain, baud_rate, folder / "port")
     finished = threading.Event()
     thread = threading.Thread(target=server.serve, args=(finished.is_set,))
-    thread.start()
-    try:
-        yield Emulator(chain, server)
-    finally:
-        finished.set()
-        thread.join()
-        server.close()
+    with older_objects_left_alone():  # a process that has run a thousand tests holds millions
+        thread.start()
+        try:
+            yield Emulator(chain, server)
+        finally:
+            finished.set()
+            thread.join()
+            server.close()
 
 
 def command(*words: object) -> list[str]:
