@@ -104,6 +104,43 @@ def test_a_value_counts_by_what_it_does(monkeypatch: pytest.MonkeyPatch) -> None
     assert either.ends[0] < 0 < either.ends[1]
 
 
+def beside(several: list[tuple[float, float]], monkeypatch: pytest.MonkeyPatch) -> Doubted:
+    """Of one coordinate, beside explanations that are as likely; several: its value and deviation beside each."""
+    told = dict(enumerate(several))
+    explanations = [explanation(1.0) for _ in several]
+    for i, (_, fit, _) in enumerate(explanations):
+        fit.number = i
+    monkeypatch.setattr(
+        law_doubt, "of_gaits", lambda _, f, __: (np.array([0.2, told[f.number][0]]), np.array([0.1, told[f.number][1]]))
+    )
+    return law_doubt.doubted(explanations)["a", None, 0]
+
+
+def test_explanations_that_agree_that_there_is_a_change_do_not_leave_that_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They may differ in how large it is: one says 0.2, one 2; by their scatter it could be none."""
+    apart = beside([(0.2, 0.05), (2.0, 0.5)], monkeypatch)
+    assert abs(apart.value) < NORMAL * apart.deviation
+    assert apart.away == pytest.approx(4.0)
+    low, high = apart.ends
+    assert 0 < low < 0.6
+    assert high > 3.0
+    below = beside([(-0.2, 0.05), (-2.0, 0.5)], monkeypatch)
+    assert below.ends == pytest.approx((-high, -low))
+
+
+def test_one_explanation_without_a_change_or_with_the_opposite_one_leaves_it_open(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of two that are as likely, one that tells nothing leaves a quarter of a normal distribution on either side."""
+    for other in (0.0, -0.2):
+        doubt = beside([(0.2, 0.01), (other, 0.01)], monkeypatch)
+        assert doubt.away < 0.7
+        assert doubt.ends[0] < 0 < doubt.ends[1]
+    alone = beside([(0.2, 0.05)], monkeypatch)
+    assert alone.away == pytest.approx(4.0)
+    assert alone.ends == pytest.approx((0.2 - NORMAL * 0.05, 0.2 + NORMAL * 0.05), rel=1e-3)
+
+
 def test_an_explanation_counts_by_how_likely_it_makes_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     """One that leaves twice as much counts an eighth with six gaits; one that leaves nine times as much, 1 / 729, is
     none: a 95 % interval leaves out more."""

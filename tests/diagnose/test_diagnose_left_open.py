@@ -21,7 +21,7 @@ from serpenoid.diagnose.inference.select import Selection
 from serpenoid.diagnose.report.sentences import ratio_change, undetected
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.beside_markers import chi2_of_markers
-from serpenoid.diagnose.stages.choose_motion import MotionFinding, explained
+from serpenoid.diagnose.stages.choose_motion import MotionFinding, beside_earlier, explained
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 
@@ -40,12 +40,17 @@ def test_a_name_that_explanations_of_the_law_leave_open_is_refused(diagnosed: tu
     same = believed(found, lambda f: explained(f, inadequate=True))
     assert [e.key for e in same.best.effects] == [name.key]
     assert believed(found, lambda f: explained(f, inadequate=False)) is found
-    predicted = zip(
-        found.motion.tracks, found.settled.predictions, predicted_bare(found.motion, found.settled), strict=True
-    )
-    tracks = tuple(replace(t, offset=t.offset - 2 * (p.displacement - q.displacement)) for t, p, q in predicted)
-    other = ((replace(found.motion, tracks=tracks), times_as_large(found.settled, 3.0), 1.0),)  # three times as much
-    bare = believed(found, lambda f: explained(f, inadequate=True, beside=other))
+    bare_of_it = predicted_bare(found.motion, found.settled)
+
+    def beside(times: float) -> Selection:
+        """What is believed beside an explanation by which it is so many times as large."""
+        trios = zip(found.motion.tracks, found.settled.predictions, bare_of_it, strict=True)
+        shown = (replace(t, offset=t.offset - (times - 1) * (p.displacement - q.displacement)) for t, p, q in trios)
+        other = (replace(found.motion, tracks=tuple(shown)), times_as_large(found.settled, times), 1.0)
+        return believed(found, lambda f: explained(f, inadequate=True, beside=(other,)))
+
+    assert [e.key for e in beside(3.0).best.effects] == [name.key]  # how large it is they leave open, and no more
+    bare = beside(-0.15)
     assert bare.best.effects == () == bare.bases
     assert bare.refused[0].effect.key == name.key
     assert bare.best.chi2 == pytest.approx(found.null.chi2)
@@ -149,3 +154,26 @@ def test_what_leaves_no_trace_is_not_listed() -> None:
     weak = {"name": "load", "place": 3, "in_extended_model": False}
     listed = [weak | {"strength_over_noise": x} for x in (0.0, 0.04, 0.3)]
     assert undetected({"below_detection": listed}) == ["load at vertex 3 (0.3 times the noise)"]
+
+
+@dataclass(frozen=True)
+class Earlier:
+    """A reference whose guess at a load may be off by so much, less and more."""
+
+    off: float
+
+    def doubt_of(self, effect: ActiveEffect) -> np.ndarray:
+        return np.array([[-self.off, self.off]])
+
+
+def test_a_guess_about_the_reference_puts_a_value_in_doubt_and_not_that_it_has_changed() -> None:
+    """By what was measured beside it, a load changed by 0.1 to 0.5; how much there is of it now is not known."""
+    load = ActiveEffect.of("load", 3, share=0.3)
+    changed = Named(load, {"share": (0.1, 0.5)}, 4.0, stand_in=True)
+    stage = beside_earlier(Stage("motion", (changed,)), cast(Baseline, Earlier(0.2)))
+    (named,) = stage.named
+    assert named.intervals["share"] == pytest.approx((-0.1, 0.7))
+    assert stage.undetected == ()
+    open_ = Named(load, {"share": (-0.1, 0.5)}, 4.0, stand_in=True)  # by what was measured alone
+    stage = beside_earlier(Stage("motion", (open_,)), cast(Baseline, Earlier(0.0)))
+    assert (stage.named, stage.undetected) == ((), (open_,))

@@ -16,7 +16,10 @@ what they have in common as it is.
 What one explanation of an earlier campaign says of the change, another one does not, nor what stands beside it below
 detection: the scatter of values, by what they do, is added, each explanation weighed by the inverse of what it left of
 the earlier campaign, and by how likely this one is with it: its gaits are the independent numbers, of unknown scale, so
-that is chi squared to the power -G / 2.
+that is chi squared to the power -G / 2. Whether there is a change at all is another question: where all agree that
+there is, and not how large it is, it is known to be there. Of that the tail of the mixture tells,
+
+    p = 2 min(P, 1 - P),   P = sum_k w_k Phi(z_k),   z_k: standard deviations from the value that changes nothing
 
 Legend: G gaits, P coordinates (eps first), K explanations.
 """
@@ -29,6 +32,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
+from scipy.special import ndtr, ndtri
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import CONFIDENCE, NORMAL
@@ -39,7 +43,7 @@ from serpenoid.diagnose.inference.medium import Fit, linearised, predicted_bare
 
 STARTS = ((-12.0, -12.0), (-12.0, -3.0), (-3.0, -12.0), (-3.0, -3.0))  # ln s^2, ln t^2: small or not
 SMALLEST, LARGEST = -20.0, 6.0
-
+LEAST_TAIL = 1e-300  # of a normal distribution: what is farther out is as far as this
 
 Coordinate = tuple[str, int | None, int]  # an effect's name and place, and which of its coordinates
 
@@ -49,6 +53,7 @@ class Doubted:
     """A value and its standard deviation, the law's error included; resting: what changes nothing.
 
     least, most: how many times as far from `resting` the value that does the same may be beside another explanation.
+    sure: how many standard deviations it is known to be from `resting`, over all explanations; None: by its deviation.
     """
 
     value: float
@@ -56,12 +61,22 @@ class Doubted:
     resting: float = 0.0
     least: float = 1.0
     most: float = 1.0
+    sure: float | None = None
+
+    @property
+    def away(self) -> float:
+        """How many standard deviations it is known to be from `resting`."""
+        return abs(_apart(self)) if self.sure is None else self.sure
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Of the 95 % interval, beside every explanation."""
-        away = self.value - self.resting + NORMAL * self.deviation * np.array([-1.0, 1.0])
-        every = self.resting + np.outer([self.least, self.most], away)
+        """Of the 95 % interval, beside every explanation; without `resting` if all say that it is not that."""
+        away = self.value - self.resting
+        near, far = (1 - NORMAL / self.away) * away if self.away > NORMAL else 0.0, NORMAL * self.deviation
+        low, high = away - far, away + far
+        if self.away > NORMAL:
+            low, high = (max(low, near), high) if away > 0 else (low, min(high, near))
+        every = self.resting + np.outer([self.least, self.most], [low, high])
         return float(every.min()), float(every.max())
 
     def times(self, factor: float) -> Doubted:
@@ -111,7 +126,26 @@ def _together(several: Sequence[_Told]) -> Doubted:
     mean = float(np.average(values, weights=weights))
     between = float(np.average((values - mean) ** 2, weights=weights)) * count / max(count - 1, 1)
     deviation = float(np.sqrt(np.average(variances, weights=weights) + between))
-    return Doubted(mean, deviation, first.known.resting, min(1.0, 1 / max(factors)), max(1.0, 1 / min(factors)))
+    least, most = min(1.0, 1 / max(factors)), max(1.0, 1 / min(factors))
+    return Doubted(mean, deviation, first.known.resting, least, most, _surely(several))
+
+
+def _surely(several: Sequence[_Told]) -> float | None:
+    """How many standard deviations from one end of a normal distribution leave as much of it out as all explanations
+    together do on the side of `resting` where there is less; one explanation has its own."""
+    if len(several) == 1:
+        return None
+    apart, weights = np.array([_apart(t.known) for t in several]), [t.weight for t in several]
+    below, above = (float(np.average(ndtr(x), weights=weights)) for x in (-apart, apart))
+    return float(-ndtri(max(min(below, above), LEAST_TAIL)))
+
+
+def _apart(known: Doubted) -> float:
+    """Standard deviations of one explanation's value from `resting`, with its sign."""
+    distance = known.value - known.resting
+    if known.deviation > 0:
+        return distance / known.deviation
+    return float(np.copysign(np.inf, distance)) if distance else 0.0
 
 
 def _likely(several: Sequence[_Told]) -> Sequence[_Told]:

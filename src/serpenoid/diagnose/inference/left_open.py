@@ -53,10 +53,10 @@ def known(found: Selection, explained: Explained) -> tuple[Floats, Floats]:
     for e, more in zip(settled.effects, outside, strict=True):
         moves = [i for i, p in enumerate(e.effect.parameters) if p.neutral is not None]
         away = np.array([(e.coordinates[i] - e.effect.parameters[i].resting) ** 2 for i in moves])
-        wide = np.array([doubt[e.name, e.place, i].deviation ** 2 for i in moves])
-        narrow = np.array([usual[at + i, at + i] for i in moves])
+        sure = np.array([doubt[e.name, e.place, i].away ** 2 for i in moves])
+        usually = away / np.array([usual[at + i, at + i] for i in moves])
         least = chdtri(len(moves), 2 * ndtr(-NORMAL))
-        shares[e.key] = float((away / np.maximum(wide, narrow)).sum() / (away / narrow).sum() / least)
+        shares[e.key] = float(np.minimum(sure, usually).sum() / usually.sum() / least)
         beyond[e.key] = more * shares[e.key]
         at += len(e.effect.parameters)
     best = found.best

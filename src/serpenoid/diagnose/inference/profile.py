@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 
 from serpenoid.diagnose.data.chance import NORMAL
 from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.inference.evidence import SILENT
 from serpenoid.diagnose.inference.finding import Named, interval
 from serpenoid.diagnose.inference.law_doubt import doubted
 from serpenoid.diagnose.inference.left_open import Explained
@@ -44,7 +45,8 @@ def in_its_range(motion: Motion, settled: Fit, named: Named, explained: Explaine
     spread = max(1.0, np.sqrt(settled.chi2 / settled.evidence.count.sum()))
     deviation = float(np.sqrt(evidence.covariance(index, spread)[at, at]))
     if explained:
-        deviation = max(deviation, doubted(explained, hold=False)[effect.name, effect.place, 0].deviation)
+        sure = doubted(explained, hold=False)[effect.name, effect.place, 0].away
+        deviation = max(deviation, abs(effect.coordinates[0] - p.resting) / max(sure, SILENT))
     half = NORMAL * deviation
     threshold = half**2 / float(evidence.solve(index)[1][at, at])
     found = [p.value(x) for x in profile_ends(motion, settled, effect, threshold, half)]

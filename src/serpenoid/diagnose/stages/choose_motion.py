@@ -128,12 +128,10 @@ def choose_on_tracks(
     searched(chosen)  # what this alone shows can be drawn while rivals are fitted
     say("what else it could be")
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline), parts)
-    every = tuple(beside_known(n, baseline.doubt_of(n.effect)) for n in found.stage.named)
     barred = not_looked_for(baseline, untestable)
     drag_at = "" if law.words else middles.words
-    stage = replace(
-        found.stage.naming(every), untestable=barred, laws=law.rivals, law_taken=law.words, drag_at=drag_at,
-    )  # fmt: skip
+    stage = beside_earlier(found.stage, baseline)
+    stage = replace(stage, untestable=barred, laws=law.rivals, law_taken=law.words, drag_at=drag_at)
     return replace(found, stage=stage, baseline=baseline)
 
 
@@ -248,6 +246,15 @@ def finding(
     stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)
     stage = another_law(found, replace(stage, unlike=unlike, ratio=ends, divided=divided, hiding=hiding))
     return MotionFinding(stage, found, swaps, before, after)
+
+
+def beside_earlier(stage: Stage, baseline: Baseline) -> Stage:
+    """The names of a stage, without stand-ins that may change nothing. What was known of the same effect before puts
+    its value in doubt, and not that it has changed."""
+    wide = {n.effect.key: beside_known(n, baseline.doubt_of(n.effect)) for n in stage.named}
+    stage = stage.naming(stage.named)
+    named, weak = (tuple(wide.get(n.effect.key, n) for n in some) for some in (stage.named, stage.undetected))
+    return replace(stage, named=named, undetected=weak)
 
 
 def beside_what_is_left(motion: Motion, named: Sequence[Named]) -> list[Named]:
