@@ -237,6 +237,13 @@ def test_a_chain_of_two_models_is_played_and_each_servo_is_asked_by_its_own(tmp_
     assert unit == pytest.approx(round(unit), abs=0.2)  # the log has milliamperes
 
 
+def test_servos_of_a_chain_that_no_one_supply_suits_are_told_so_and_not_one_voltage_after_the_other():
+    data = mixed()
+    data["joint"][4]["model"] = "XL330-M288-T"
+    with pytest.raises(ValueError, match=r"XL330-M288-T servos \(3.7 to 6 V\) and XM430-W350 servos .* no one supply"):
+        Robot.model_validate(data)
+
+
 def test_each_joint_of_a_mixed_chain_has_its_own_tracking_limit():
     chain = validate(Robot, mixed(), "t")
     assert chain.tracking_limits_deg.tolist() == [12.0] * 4 + [10.0] * 2 + [12.0] * 4

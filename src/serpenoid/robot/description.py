@@ -146,6 +146,11 @@ class Robot(Record):
 
     @model_validator(mode="after")
     def _its_servos_can_do_that(self) -> Self:
+        weak = min(self.kinds, key=lambda servo: servo.voltage_range[1])
+        strong = max(self.kinds, key=lambda servo: servo.voltage_range[0])
+        if weak.voltage_range[1] < strong.voltage_range[0]:
+            told = " and ".join("{} servos ({:g} to {:g} V)".format(s.name, *s.voltage_range) for s in (weak, strong))
+            raise ValueError(f"{told} share no voltage, so no one supply suits both: take other models")
         for fault in (fault for servo in self.kinds for fault in self._beyond(servo)):
             raise ValueError(fault)
         if not self.voltage.minimum_V <= self.nominal_V <= self.voltage.maximum_V:
