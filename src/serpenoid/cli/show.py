@@ -221,7 +221,8 @@ def _campaign_lines(folder: Path) -> list[str]:
     from serpenoid.measure.campaign import load_campaign_file
 
     file, _ = load_campaign_file(folder)
-    return [f"campaign {file.name}: {len(file.trial)} trial(s)", *(f"  {t.name}  {t.gait}" for t in file.trial)]
+    trials = [" ".join([f"  {trial.name}", *([f" {trial.gait}"] if trial.gait else [])]) for trial in file.trial]
+    return [f"campaign {file.name}: {counted(len(file.trial), 'trial')}", *trials]
 
 
 def _as_said(folder: Path, _record: dict[str, Any]) -> list[str]:
