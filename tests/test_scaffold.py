@@ -23,6 +23,7 @@ from serpenoid.measure.campaign import load_campaign_file, read_motion
 from serpenoid.measure.columns import SECONDS
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trial_files import read_files
+from serpenoid.measure.write import write_motive
 from serpenoid.problem import load
 from serpenoid.robot.checks import check_table
 from serpenoid.robot.description import Robot
@@ -599,6 +600,23 @@ def test_a_table_that_another_controller_played_becomes_a_trial_and_its_repeat(
     assert (first.cycles, first.pause_s, first.cycle_duration_s) == (2, 1.0, 3.0)
     assert (first.servo_log, again.servo_log) == (None, "again/servo.csv")
     np.testing.assert_array_equal(read_table(camp / "again" / "joint_table.csv"), read_table(table))
+
+
+def test_files_that_are_not_what_the_campaign_says_of_them_are_refused_before_they_are_taken(
+    played: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    camp, film, table = played / "camp", played / "take.csv", played / "trials" / "wave-1" / "joint_table.csv"
+    before, log = (camp / "campaign.toml").read_text(), played / "log.csv"
+    log.write_text(table.with_name("servo.csv").read_text().replace("position_", "ist_"))
+    words = ["campaign", "add", str(camp), str(table), str(film), "--cycles", "2", "--cycle-duration", "5"]
+    assert main([*words, "--format", "tidy", "--servo-log", str(log)]) == 2
+    assert "no column is called `position_*`; the log has t_s, ist_1" in capsys.readouterr().err
+    names = [f"Snake:{k}" for k in range(8)]
+    write_motive(film, np.arange(20) / 120, np.cumsum(np.ones((20, 8, 2)), axis=1) / 10, names)
+    assert main([*words, "--format", "motive"]) == 2
+    assert "none of the campaign's `markers` is in it; it has Snake:0" in capsys.readouterr().err
+    assert (camp / "campaign.toml").read_text() == before
+    assert not (camp / "take").exists()
 
 
 def test_schedules_beside_what_play_recorded_or_beside_nothing_are_refused(
