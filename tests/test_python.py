@@ -198,8 +198,11 @@ def test_the_opened_nlp_in_a_plain_solver_has_the_optimum_that_is_certified_here
 
 
 def test_more_rows_than_a_cycle_has_are_refused() -> None:
-    with pytest.raises(InputError, match="`path_rows` must be at most 50, the steps of a cycle, got 51"):
-        sp.nlp_arguments(PROBLEMS / "snake10.toml", path_rows=51)
+    for opened in (sp.gait_nlp, sp.nlp_arguments):
+        with pytest.raises(InputError, match="`path_rows` must be at most 50, the steps of a cycle, got 51"):
+            opened(PROBLEMS / "snake10.toml", path_rows=51)
+        with pytest.raises(InputError, match="`path_rows` must be a whole number, 0 or more, got -1"):
+            opened(PROBLEMS / "snake10.toml", path_rows=-1)
 
 
 def test_a_gait_beyond_the_limits_is_told_by_how_much() -> None:

@@ -608,7 +608,8 @@ def test_files_that_are_not_what_the_campaign_says_of_them_are_refused_before_th
     camp, film, table = played / "camp", played / "take.csv", played / "trials" / "wave-1" / "joint_table.csv"
     before, log = (camp / "campaign.toml").read_text(), played / "log.csv"
     log.write_text(table.with_name("servo.csv").read_text().replace("position_", "ist_"))
-    words = ["campaign", "add", str(camp), str(table), str(film), "--cycles", "2", "--cycle-duration", "5"]
+    own = shutil.copy(table, played / "own.csv")
+    words = ["campaign", "add", str(camp), str(own), str(film), "--cycles", "2", "--cycle-duration", "5"]
     assert main([*words, "--format", "tidy", "--servo-log", str(log)]) == 2
     assert "no column is called `position_*`; the log has t_s, ist_1" in capsys.readouterr().err
     names = [f"Snake:{k}" for k in range(8)]

@@ -38,7 +38,7 @@ def gait_nlp(
     law = motion_law(problem.model, family, portable)
     criteria = asked(problem.task, family, customise, problem.model).criteria
     obstacles = Obstacles(tuple(criteria.clear_of), problem.model, law.steps, family.closed)
-    return GaitNLP(law, criteria, path_rows, portable, watch=obstacles.first())
+    return GaitNLP(law, criteria, _rows(path_rows, law.steps), portable, watch=obstacles.first())
 
 
 def nlp_arguments(
@@ -48,11 +48,9 @@ def nlp_arguments(
 
     The start is the simulated motion of `gait` (default the problem's), inside the bounds: it meets all equations.
     """
-    problem, path_rows = problem_of(problem), whole("path_rows", path_rows, 0)
+    problem = problem_of(problem)
     numbers = PreparedNLPs(problem, customise, None if gait is None else gait_of(gait), {})
-    if path_rows > numbers.steps:
-        raise InputError(f"`path_rows` must be at most {numbers.steps}, the steps of a cycle, got {path_rows}.")
-    carried = Carried(tuple(even_rows(numbers.steps, path_rows)), numbers.obstacles.first())
+    carried = Carried(tuple(even_rows(numbers.steps, _rows(path_rows, numbers.steps))), numbers.obstacles.first())
     bounds = numbers.bounds(carried)
     own = numbers.own_start() if gait is None else np.clip(numbers.family.start(), *numbers.gait_bounds())
     return {
@@ -63,3 +61,10 @@ def nlp_arguments(
         "lbg": bounds.lbg,
         "ubg": bounds.ubg,
     }
+
+
+def _rows(count: int, steps: int) -> int:
+    """How many rows are limited, checked."""
+    if whole("path_rows", count, 0) > steps:
+        raise InputError(f"`path_rows` must be at most {steps}, the steps of a cycle, got {count}.")
+    return count
