@@ -288,6 +288,16 @@ def test_kind_and_dissipation_of_a_new_problem_are_options(tmp_path: Path) -> No
     assert (found.body.kind, found.medium.dissipation) == ("swimming robot", "edge")
 
 
+def test_what_resists_a_new_robot_is_an_option_and_told_where_it_is_assumed(tmp_path: Path, capsys) -> None:
+    assert load(
+        new("problem", tmp_path / "carpet.toml", "--kind", "crawling robot", "--law", "coulomb")
+    ).medium.law == ("coulomb")
+    assert "--law" not in capsys.readouterr().out
+    assert load(new("problem", tmp_path / "wheels.toml")).medium.law == "viscous"
+    assert "--law viscous" in capsys.readouterr().out
+    assert "coulomb (dry friction)" in (tmp_path / "wheels.toml").read_text(encoding="utf-8")
+
+
 def test_without_a_terminal_it_is_said_that_nothing_is_asked(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     assert main(["new", "problem", str(tmp_path / "a.toml")]) == 0
     assert "this is no terminal, so nothing is asked" in capsys.readouterr().err
@@ -317,7 +327,7 @@ def test_questions_are_asked_on_a_terminal_and_asked_again_after_a_wrong_answer(
     words = [sys.executable, "-m", "serpenoid", "new", "problem", str(tmp_path / "mine.toml")]
     process = subprocess.Popen(words, stdin=slave, stderr=slave, stdout=subprocess.PIPE, text=True)
     os.close(slave)
-    os.write(master, b"\nmany\n4\n\n0.5\n\n\n\n\n\n\n\n")
+    os.write(master, b"\nmany\n4\n\n0.5\n\n\n\n\n\n\n\n\n")
     out, _ = process.communicate(timeout=60)
     said = os.read(master, 65536).decode()
     os.close(master)

@@ -102,7 +102,7 @@ def _motive(tmp_path: Path) -> tuple[Path, list[str]]:
         ),
         (lambda lines: [*lines[:9], lines[9].replace("1.000000", "", 1), *lines[10:]], "all its coordinates or none"),
         (lambda lines: [lines[0].replace("Meters", "Inches"), *lines[1:]], "`Length Units` must be one of Meters"),
-        (lambda lines: [lines[0].replace("1.23", "2.0"), *lines[1:]], "format version must be 1.21 to 1.25"),
+        (lambda lines: [lines[0].replace("1.23", "2.0"), *lines[1:]], "version must be 1.21 to 1.25, got .*or as C3D"),
         (lambda lines: lines[2:], "a Motive export starts with"),
         (lambda lines: [*lines[:8], lines[7], *lines[9:]], r"row 9, column B \(`Time`\): times must increase"),
         (lambda lines: [line.replace("Marker", "Rigid Body") for line in lines], "no measured markers"),
