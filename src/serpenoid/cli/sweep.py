@@ -116,7 +116,7 @@ def run(args: argparse.Namespace) -> int:
             if not summaries[-1]["complete"]:
                 break
     else:
-        summaries = _in_parallel(args, problems, values, folders)
+        summaries = _in_parallel(args, problems, values, folders, beside)
     options.report(
         args, summaries, [line for summary in summaries for line in _lines(summary, args.starts, args.refine)]
     )
@@ -158,11 +158,13 @@ def sweep_one(
     return write_sweep(folder, result, not settings["no_figures"], beside)
 
 
-def _in_parallel(args: argparse.Namespace, problems: list, values: list[float], folders: list[Path]) -> list[dict]:
+def _in_parallel(
+    args: argparse.Namespace, problems: list, values: list[float], folders: list[Path], beside: Beside | None
+) -> list[dict]:
     from serpenoid.parallel import results
 
     settings = {key: getattr(args, key) for key in ("starts", "seed", "no_polish", "no_figures", "refine")}
-    tasks = [(p, values, f.resolve(), settings) for p, f in zip(problems, folders, strict=True)]
+    tasks = [(p, values, f.resolve(), settings, None, beside) for p, f in zip(problems, folders, strict=True)]
     summaries = []
     with options.progress_bar(args, "problems", len(problems)) as advance:
         for _, summary in results(sweep_one, tasks, options.workers(args)):
