@@ -205,6 +205,12 @@ def test_more_rows_than_a_cycle_has_are_refused() -> None:
             opened(PROBLEMS / "snake10.toml", path_rows=-1)
 
 
+def test_a_robust_problem_is_not_opened_as_if_it_had_one_model() -> None:
+    for opened in (sp.gait_nlp, sp.nlp_arguments):
+        with pytest.raises(InputError, match=r"\[task.robust\] asks for several models"):
+            opened(PROBLEMS / "robust.toml")
+
+
 def test_a_gait_beyond_the_limits_is_told_by_how_much() -> None:
     problem = sp.load(PROBLEMS / "snake10.toml")
     table = sp.simulate(problem).table

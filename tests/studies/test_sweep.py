@@ -157,6 +157,8 @@ def test_a_sweep_says_how_near_a_files_own_gait_is_to_its_best(tmp_path: Path, c
         r"go as far for 0\.",
         capsys.readouterr().out,
     )
+    assert main(["show", out]) == 0
+    assert "\nreference-optimum goes 0." in capsys.readouterr().out
     pytest.importorskip("distributed", reason="needs the extra `cluster`")
     assert main([*words, "--c", "0,0.5,1,4", "--beside", file, "--cluster", "local:1"]) == 0
     assert "reference-optimum goes 0." in capsys.readouterr().out

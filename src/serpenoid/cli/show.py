@@ -15,6 +15,7 @@ from serpenoid.cli import options
 from serpenoid.cli.claim import REQUEST
 from serpenoid.cli.goals import dissipation_name, goal_lines, in_cycles
 from serpenoid.cli.starts import bound_lines, note_lines, starts_lines
+from serpenoid.cli.sweep import beside_lines
 from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
 from serpenoid.media import DEFAULT, LAWS
 from serpenoid.wording import counted
@@ -178,7 +179,7 @@ def _sweep_lines(folder: Path, record: dict[str, Any]) -> list[str]:
             continue
         numbers = [float(row[key]) for key in ("c", "displacement_body_lengths", "dissipation", "cost")]
         lines.append(f"{numbers[0]:8.3f}{numbers[1]:14.6f}{numbers[2]:13.6f}{numbers[3]:11.6f}")
-    return lines
+    return lines + [line.strip() for line in beside_lines(record.get("beside"))]
 
 
 def _diagnosis_lines(_folder: Path, record: dict[str, Any]) -> list[str]:

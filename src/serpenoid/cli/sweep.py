@@ -197,7 +197,7 @@ def _lines(summary: dict, starts: int, refined: bool) -> list[str]:
         f"{summary['problem']}: {solved}{kept}, {summary['failed']} failed{missing}",
         *_failures(summary["failures"]),
         *([f"  displacement {went[0]:.4f} .. {went[1]:.4f} body lengths", _transport(window)] if went else []),
-        *_beside_lines(summary.get("beside")),
+        *beside_lines(summary.get("beside")),
         *(f"  {line}, at the least c" for line in summary["limits"]),
         *_mesh_lines(summary["mesh"], refined, summary["complete"]),
         f"  either end began from {counted(starts, 'random gait')}; more (--starts) may find a better branch",
@@ -205,7 +205,7 @@ def _lines(summary: dict, starts: int, refined: bool) -> list[str]:
     ]
 
 
-def _beside_lines(beside: dict[str, Any] | None) -> list[str]:
+def beside_lines(beside: dict[str, Any] | None) -> list[str]:
     """How near a gait of the user's own is to the best."""
     if beside is None:
         return []

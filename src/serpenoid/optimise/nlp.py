@@ -33,7 +33,7 @@ def gait_nlp(
 
     path_rows: at how many rows, spread evenly, joint angles and their changes are limited (T of a closed gait: at all).
     """
-    problem = problem_of(problem)
+    problem = _of_one_model(problem)
     family = problem.family_of(None if gait is None else gait_of(gait))
     law = motion_law(problem.model, family, portable)
     criteria = asked(problem.task, family, customise, problem.model).criteria
@@ -48,7 +48,7 @@ def nlp_arguments(
 
     The start is the simulated motion of `gait` (default the problem's), inside the bounds: it meets all equations.
     """
-    problem = problem_of(problem)
+    problem = _of_one_model(problem)
     numbers = PreparedNLPs(problem, customise, None if gait is None else gait_of(gait), {})
     carried = Carried(tuple(even_rows(numbers.steps, _rows(path_rows, numbers.steps))), numbers.obstacles.first())
     bounds = numbers.bounds(carried)
@@ -68,3 +68,14 @@ def _rows(count: int, steps: int) -> int:
     if whole("path_rows", count, 0) > steps:
         raise InputError(f"`path_rows` must be at most {steps}, the steps of a cycle, got {count}.")
     return count
+
+
+def _of_one_model(given: Problem | str | Path) -> Problem:
+    """The problem; refused where one gait must serve several models: the NLP that is opened has one."""
+    problem = problem_of(given)
+    if problem.task.robust is not None:
+        raise InputError(
+            f"{problem.name}: [task.robust] asks for several models, and the NLP that is opened has one. Open one for "
+            'each: problem.model_copy(update={"task": problem.task.model_copy(update={"robust": None})}).'
+        )
+    return problem
