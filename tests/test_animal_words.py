@@ -33,6 +33,25 @@ def notes(folder: Path, time: np.ndarray, points: np.ndarray) -> str:
     return " / ".join(load_campaign(animal_campaign(folder, "crawler", time, 0.4 * points, "m")).trials[0].notes)
 
 
+def test_of_many_gaps_the_first_are_told_and_how_many_more_there_are(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    time, points = crawl(300)
+    for frame in range(10, 290, 20):
+        points[frame : frame + 5] = np.nan
+    folder = animal_campaign(tmp_path, "crawler", time, 0.4 * points, "m")
+    assert main(["measure", str(folder), "--out", str(tmp_path / "out"), "--no-figures"]) == 0
+    said = capsys.readouterr().out
+    assert said.count("  long gap  ") == 11
+    assert "  long gap          and 4 more, 0.24 s at most (campaign.json)" in said
+
+
+def test_of_three_points_it_is_said_that_they_tell_no_ratio(tmp_path: Path) -> None:
+    time, points = crawl(100)
+    assert "shows no wave" not in notes(tmp_path, time, points)
+    assert "3 points have one joint, which shows no wave" in notes(tmp_path, time, points[:, ::3])
+
+
 def test_times_in_milliseconds_are_asked_about(tmp_path: Path) -> None:
     time, points = crawl(100)
     assert "milliseconds" not in notes(tmp_path, time, points)

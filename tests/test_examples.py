@@ -66,6 +66,29 @@ def test_functions_survive_saving_and_momentum_vanishes_on_the_motion(
             np.testing.assert_array_equal(mine.full(), theirs.full())
 
 
+def test_torques_of_the_opened_nlp_do_the_work_that_is_dissipated_and_the_least_peak_is_certified() -> None:
+    own = example("own_solver")
+    problem = sp.load(own.PROBLEM, [*own.SET, "task.steps=80"])
+    nlp = sp.gait_nlp(problem, portable=True)
+    simulated = sp.simulate(problem)
+    x = np.append(simulated.trajectory.poses[1:].ravel(), problem.gait.parameters)
+    at = ca.Function("at", [nlp.variables, nlp.parameters], [own.torques(problem, nlp), nlp.joint_angles, nlp.poses])
+    torques, angles, poses = (value.full() for value in at(x, sp.nlp_arguments(problem)["p"]))
+    np.testing.assert_allclose(angles.T, simulated.table, atol=1e-12)
+    np.testing.assert_allclose(poses.T, simulated.trajectory.poses, atol=1e-12)
+    work = (torques * (np.roll(angles, -1, axis=1) - angles)).sum()
+    assert work == pytest.approx(2 * simulated.trajectory.dissipation, rel=2e-3)  # steps are of second order
+    problem = sp.load(own.PROBLEM, own.SET)
+    found = own.least_peak(problem)
+    assert found["status"] == "Solve_Succeeded"
+    assert found["peak"] < 0.5 * found["first"]
+    assert found["curvature"] > 0
+    assert found["certificate"].status.ok
+    assert found["certificate"].trajectory.displacement >= 0.3 - 1e-8
+    again = own.least_peak(problem, found["gait"])  # from an earlier answer
+    assert again["peak"] == pytest.approx(found["peak"], abs=1e-8)
+
+
 @pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
 def test_portable_nlp_stands_alone_as_c(tmp_path: Path) -> None:
     symbols = example("open_symbols")

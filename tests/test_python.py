@@ -155,6 +155,69 @@ def test_vertices_of_an_opened_nlp_are_those_of_the_simulation(family: str) -> N
     assert len(repr(problem)) < 100
 
 
+def own_gap(of: sp.Criteria) -> None:
+    of.subject_to(of.displacement, 0.1, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("name", "add", "customise"),
+    [
+        ("snake10", ["task.c=1.0", "task.cycle_duration_s=5"], None),
+        ("snake10", ["task.constraints.heading_change_rad=0.5"], own_gap),
+        ("reach", [], None),
+        ("disc-obstacle", [], None),
+        ("sidewinding", [], None),
+        ("transport", [], None),
+    ],
+)
+def test_the_numbers_of_an_opened_nlp_fit_its_symbols_and_its_start_meets_the_equations(
+    name: str, add: list[str], customise: object
+) -> None:
+    problem = sp.load(PROBLEMS / f"{name}.toml", ["task.steps=24", *add])
+    asked = {"problem": problem, "path_rows": 24, "customise": customise}
+    nlp, numbers = sp.gait_nlp(**asked, portable=True), sp.nlp_arguments(**asked)
+    functions, motion = nlp.functions(), nlp.constraint_counts[0]
+    value = functions["g"](numbers["x0"], numbers["p"]).full()[:, 0]
+    assert len(numbers["lbx"]) == len(numbers["ubx"]) == len(numbers["x0"]) == nlp.variables.numel()
+    assert len(numbers["lbg"]) == len(numbers["ubg"]) == len(value) == sum(nlp.constraint_counts)
+    assert (numbers["lbg"][:motion] == 0).all()
+    assert (numbers["ubg"][:motion] == 0).all()
+    np.testing.assert_allclose(value[:motion], 0.0, atol=1e-9)
+
+
+def test_the_opened_nlp_in_a_plain_solver_has_the_optimum_that_is_certified_here() -> None:
+    problem = sp.load(PROBLEMS / "snake10.toml", ["task.c=1.0"])
+    asked = {"problem": problem, "path_rows": problem.task.steps}
+    nlp, numbers = sp.gait_nlp(**asked, portable=True), sp.nlp_arguments(**asked)
+    functions, (x, p) = nlp.functions(), (nlp.variables, nlp.parameters)
+    derivatives = {name: functions[name] for name in ("grad_f", "jac_g", "hess_lag")}
+    quiet = {"ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes", "ipopt.mu_strategy": "adaptive"}
+    stated = {"x": x, "p": p, "f": functions["f"](x, p), "g": functions["g"](x, p)}
+    found = ca.nlpsol("mine", "ipopt", stated, quiet | derivatives)(**numbers)
+    assert float(found["f"]) == pytest.approx(sp.solve(problem, starts=1).best.cost, abs=1e-6)
+
+
+def test_more_rows_than_a_cycle_has_are_refused() -> None:
+    for opened in (sp.gait_nlp, sp.nlp_arguments):
+        with pytest.raises(InputError, match="`path_rows` must be at most 50, the steps of a cycle, got 51"):
+            opened(PROBLEMS / "snake10.toml", path_rows=51)
+        with pytest.raises(InputError, match="`path_rows` must be a whole number, 0 or more, got -1"):
+            opened(PROBLEMS / "snake10.toml", path_rows=-1)
+
+
+def test_a_robust_problem_is_not_opened_as_if_it_had_one_model() -> None:
+    for opened in (sp.gait_nlp, sp.nlp_arguments):
+        with pytest.raises(InputError, match=r"\[task.robust\] asks for several models"):
+            opened(PROBLEMS / "robust.toml")
+
+
+def test_a_gait_beyond_the_limits_is_told_by_how_much() -> None:
+    problem = sp.load(PROBLEMS / "snake10.toml")
+    table = sp.simulate(problem).table
+    words = sp.certify_table(problem, table * (np.radians(61) / np.abs(table).max())).summary()
+    assert "exceed the problem's limits by 1.7e-02 rad" in words
+
+
 SMALL = ["task.steps=20", "body.vertices=5", "task.c=0.5"]
 
 

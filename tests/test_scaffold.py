@@ -23,6 +23,7 @@ from serpenoid.measure.campaign import load_campaign_file, read_motion
 from serpenoid.measure.columns import SECONDS
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trial_files import read_files
+from serpenoid.measure.write import write_motive
 from serpenoid.problem import load
 from serpenoid.robot.checks import check_table
 from serpenoid.robot.description import Robot
@@ -287,6 +288,16 @@ def test_kind_and_dissipation_of_a_new_problem_are_options(tmp_path: Path) -> No
     assert (found.body.kind, found.medium.dissipation) == ("swimming robot", "edge")
 
 
+def test_what_resists_a_new_robot_is_an_option_and_told_where_it_is_assumed(tmp_path: Path, capsys) -> None:
+    assert load(
+        new("problem", tmp_path / "carpet.toml", "--kind", "crawling robot", "--law", "coulomb")
+    ).medium.law == ("coulomb")
+    assert "--law" not in capsys.readouterr().out
+    assert load(new("problem", tmp_path / "wheels.toml")).medium.law == "viscous"
+    assert "--law viscous" in capsys.readouterr().out
+    assert "coulomb (dry friction)" in (tmp_path / "wheels.toml").read_text(encoding="utf-8")
+
+
 def test_without_a_terminal_it_is_said_that_nothing_is_asked(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     assert main(["new", "problem", str(tmp_path / "a.toml")]) == 0
     assert "this is no terminal, so nothing is asked" in capsys.readouterr().err
@@ -316,7 +327,7 @@ def test_questions_are_asked_on_a_terminal_and_asked_again_after_a_wrong_answer(
     words = [sys.executable, "-m", "serpenoid", "new", "problem", str(tmp_path / "mine.toml")]
     process = subprocess.Popen(words, stdin=slave, stderr=slave, stdout=subprocess.PIPE, text=True)
     os.close(slave)
-    os.write(master, b"\nmany\n4\n\n0.5\n\n\n\n\n\n\n\n")
+    os.write(master, b"\nmany\n4\n\n0.5\n\n\n\n\n\n\n\n\n")
     out, _ = process.communicate(timeout=60)
     said = os.read(master, 65536).decode()
     os.close(master)
@@ -599,6 +610,24 @@ def test_a_table_that_another_controller_played_becomes_a_trial_and_its_repeat(
     assert (first.cycles, first.pause_s, first.cycle_duration_s) == (2, 1.0, 3.0)
     assert (first.servo_log, again.servo_log) == (None, "again/servo.csv")
     np.testing.assert_array_equal(read_table(camp / "again" / "joint_table.csv"), read_table(table))
+
+
+def test_files_that_are_not_what_the_campaign_says_of_them_are_refused_before_they_are_taken(
+    played: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    camp, film, table = played / "camp", played / "take.csv", played / "trials" / "wave-1" / "joint_table.csv"
+    before, log = (camp / "campaign.toml").read_text(), played / "log.csv"
+    log.write_text(table.with_name("servo.csv").read_text().replace("position_", "ist_"))
+    own = shutil.copy(table, played / "own.csv")
+    words = ["campaign", "add", str(camp), str(own), str(film), "--cycles", "2", "--cycle-duration", "5"]
+    assert main([*words, "--format", "tidy", "--servo-log", str(log)]) == 2
+    assert "no column is called `position_*`; the log has t_s, ist_1" in capsys.readouterr().err
+    names = [f"Snake:{k}" for k in range(8)]
+    write_motive(film, np.arange(20) / 120, np.cumsum(np.ones((20, 8, 2)), axis=1) / 10, names)
+    assert main([*words, "--format", "motive"]) == 2
+    assert "none of the campaign's `markers` is in it; it has Snake:0" in capsys.readouterr().err
+    assert (camp / "campaign.toml").read_text() == before
+    assert not (camp / "take").exists()
 
 
 def test_schedules_beside_what_play_recorded_or_beside_nothing_are_refused(

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     from serpenoid.mechanics.opened import step_functions
     from serpenoid.objectives import Criteria
-    from serpenoid.optimise.nlp import gait_nlp
+    from serpenoid.optimise.nlp import gait_nlp, nlp_arguments
     from serpenoid.optimise.own import certify_table
     from serpenoid.optimise.solve import improve, solve, solve_from
     from serpenoid.problem import Problem, load
@@ -41,6 +41,7 @@ _PUBLIC = {
     "improve": "serpenoid.optimise.solve",
     "Criteria": "serpenoid.objectives",
     "gait_nlp": "serpenoid.optimise.nlp",
+    "nlp_arguments": "serpenoid.optimise.nlp",
     "certify_table": "serpenoid.optimise.own",
     "step_functions": "serpenoid.mechanics.opened",
     "sweep": "serpenoid.studies.sweep",
@@ -63,6 +64,7 @@ __all__ = [
     "improve",
     "load",
     "measure",
+    "nlp_arguments",
     "simulate",
     "simulate_batch",
     "simulate_in_space",

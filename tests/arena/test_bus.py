@@ -80,3 +80,13 @@ def test_the_arenas_options_belong_together(tmp_path, capsys):
     assert "Add --arena" in capsys.readouterr().err
     assert main(["robot", "emulate", "--arena"]) == 2
     assert "needs --robot" in capsys.readouterr().err
+
+
+def test_the_arenas_robot_has_no_gears(tmp_path, capsys):
+    own = Path(__file__).parents[2] / "problems" / "robots" / "snake10-robot.toml"
+    (tmp_path / "mine.toml").write_text(
+        own.read_text(encoding="utf-8").replace("\nspeed_limit_rpm", "\ngear_ratio = 1.2\nspeed_limit_rpm"),
+        encoding="utf-8",
+    )
+    assert main(["robot", "emulate", "--arena", "--robot", str(tmp_path / "mine.toml")]) == 2
+    assert "motors turn its joints directly: leave `gear_ratio` out" in capsys.readouterr().err

@@ -35,6 +35,22 @@ def test_points_exchanged_for_a_while_are_told_with_the_time(order, hidden):
     assert sorted(k for k, name in enumerate(found.names) if name != k) == [k for k in range(7) if order[k] != k]
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_points_that_stray_to_a_reflection_in_turn_are_no_exchange_and_a_true_one_beside_them_is_told(seed):
+    time, points = crawling(seed=seed)
+    rng = np.random.default_rng(seed)
+    true = points.copy()
+    true[200:220, [1, 4]] = true[200:220, [4, 1]]
+    for film in (points, true):
+        for frame in (60, 120, 170):
+            one, two = rng.choice(7, 2, replace=False)
+            film[frame : frame + 2, one] = [1.0, 0.5] + rng.normal(0, 0.002, (2, 2))
+            film[frame + 2 : frame + 4, two] = [1.0, 0.5] + rng.normal(0, 0.002, (2, 2))
+    assert exchanges(points, time) == ()
+    (found,) = exchanges(true, time)
+    assert found.said(LABELS, time) == "`p1` and `p4` exchanged between 6.667 and 7.3 s"
+
+
 def test_points_exchanged_to_the_end_are_told_and_most_of_the_recording_is_right():
     time, points = crawling()
     points[:60, [1, 4]] = points[:60, [4, 1]]

@@ -169,3 +169,11 @@ def test_markers_of_another_subject_are_told_with_both(tmp_path, markers, said):
         label_vertices(read_vicon(tmp_path / "a.csv"), markers, None, 3, from_head=False)
     assert said in str(refused.value)
     assert ("begin with" in str(refused.value)) == bool(said)
+
+
+def test_where_the_campaign_names_no_markers_those_of_the_file_are_told(tmp_path):
+    (tmp_path / "a.csv").write_text(vicon().replace("Snake:joint", "*108"))
+    with pytest.raises(
+        InputError, match=r"names no `markers`.*Say them .*tail first; the file has Snake:tail, Snake:h"
+    ):
+        label_vertices(read_vicon(tmp_path / "a.csv"), None, np.array([0.1]), 2, from_head=False)

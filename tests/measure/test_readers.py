@@ -102,7 +102,7 @@ def _motive(tmp_path: Path) -> tuple[Path, list[str]]:
         ),
         (lambda lines: [*lines[:9], lines[9].replace("1.000000", "", 1), *lines[10:]], "all its coordinates or none"),
         (lambda lines: [lines[0].replace("Meters", "Inches"), *lines[1:]], "`Length Units` must be one of Meters"),
-        (lambda lines: [lines[0].replace("1.23", "2.0"), *lines[1:]], "format version must be 1.21 to 1.25"),
+        (lambda lines: [lines[0].replace("1.23", "2.0"), *lines[1:]], "version must be 1.21 to 1.25, got .*or as C3D"),
         (lambda lines: lines[2:], "a Motive export starts with"),
         (lambda lines: [*lines[:8], lines[7], *lines[9:]], r"row 9, column B \(`Time`\): times must increase"),
         (lambda lines: [line.replace("Marker", "Rigid Body") for line in lines], "no measured markers"),
@@ -371,10 +371,39 @@ def test_what_is_no_plain_number_is_refused_by_its_place(tmp_path, cell):
         read_tidy(tmp_path / "t.csv")
 
 
-@pytest.mark.parametrize("cell", ["2023-11-14 22:13:20", "2023-11-14T22:13:20.031Z"])
+@pytest.mark.parametrize(
+    "cell",
+    [
+        "2023-11-14 22:13:20",
+        "2023-11-14T22:13:20.031Z",
+        "11.05.2023 14:00:00",
+        "5/11/2023 2:00 PM",
+        "00:00.03",
+        "May-23",
+    ],
+)
 def test_of_times_that_are_dates_it_is_said_what_to_write_instead(tmp_path, cell):
     (tmp_path / "t.csv").write_text(f"t_s,x_0,y_0\n{cell},1,2\n", encoding="utf-8")
     with pytest.raises(InputError, match="row 2, column A .*write seconds .*frames_per_second"):
+        read_tidy(tmp_path / "t.csv")
+
+
+@pytest.mark.parametrize(
+    ("cell", "cure"),
+    [
+        ("11. Mai", "date was made one by a spreadsheet"),
+        ("02. M\u00e4rz 1900", "date was made one by a spreadsheet"),
+        ("Sep 12", "date was made one by a spreadsheet"),
+        ("#WERT!", "formula failed"),
+        ("#DIV/0!", "formula failed"),
+        ("########", "too narrow"),
+        ("1.234,5", "nothing between thousands"),
+        ("12.345.678", "nothing between thousands"),
+    ],
+)
+def test_of_what_a_spreadsheet_made_of_numbers_it_is_said_how_to_get_them_back(tmp_path, cell, cure):
+    (tmp_path / "t.csv").write_text(f"t_s;x_0;y_0\n0;1;2\n1;{cell};2\n", encoding="utf-8")
+    with pytest.raises(InputError, match=f"row 3, column B .*{cure}"):
         read_tidy(tmp_path / "t.csv")
 
 

@@ -89,6 +89,34 @@ def test_what_could_be_two_numbers_or_none_is_refused_with_its_cure(tmp_path, te
         read_tidy(tmp_path / "a.csv")
 
 
+def tenths_of_millimetres(write, decimals: str) -> str:
+    """A film of two points about 1000 tenths of a millimetre off, as a spreadsheet writes it."""
+    wave = 1000 + 200 * np.sin(np.arange(60) / 3)
+    rows = (";".join([str(i), *[write(x + k) for k in (0, 30, 60, 90)]]) for i, x in enumerate(wave))
+    return "frame;x_0;y_0;x_1;y_1\n" + "\n".join(rows).replace(".", decimals) + "\n"
+
+
+@pytest.mark.parametrize("mark", [".", ","])
+def test_marks_between_thousands_are_no_decimal_ones(tmp_path, mark):
+    (tmp_path / "a.csv").write_text(tenths_of_millimetres(lambda x: f"{round(x):,}".replace(",", "."), mark))
+    with pytest.raises(InputError, match="row 2, column B .*`1.000` and whole numbers below 1000 .*thousands"):
+        read_tidy(tmp_path / "a.csv", frames_per_second=10.0)
+
+
+@pytest.mark.parametrize(
+    "write", [lambda x: f"{x / 1000:.3f}", lambda x: f"{x / 100:g}", lambda x: f"{round(x / 100 * 3) / 3:.7g}"]
+)
+def test_decimals_of_any_number_of_digits_are_read(tmp_path, write):
+    (tmp_path / "a.csv").write_text(tenths_of_millimetres(write, "."))
+    assert np.ptp(read_tidy(tmp_path / "a.csv", frames_per_second=10.0).floor) < 6
+
+
+def test_points_that_were_interpolated_by_thirds_between_whole_pixels_are_no_thousands(tmp_path):
+    rows = [f"{i},{x},{x}" for i, x in enumerate(f"{612 + i / 3:.3f}".removesuffix(".000") for i in range(30))]
+    (tmp_path / "a.csv").write_text("frame,x_0,y_0\n" + "\n".join(rows) + "\n")
+    assert np.ptp(read_tidy(tmp_path / "a.csv", frames_per_second=10.0).floor[..., 0]) < 10
+
+
 @pytest.mark.parametrize("end", ["", ";;", ";;\r\n;;;", "\r\n"])
 def test_a_joint_table_that_was_saved_again_is_the_same(tmp_path, end):
     angles = np.random.default_rng(0).uniform(-1, 1, (4, 2))

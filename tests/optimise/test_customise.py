@@ -92,6 +92,8 @@ MISTAKES = {  # what customise does: what is said of it
         math.sin(of.displacement)
     ): r"minimise: is not a number \(NaN\), whatever the gait.*not math",
     lambda of: of.subject_to(of.displacement, 1.0, 0.0): r"needs lower <= upper, got 1\.0 and 0\.0",
+    lambda of: of.subject_to(of.displacement > 0.3, 0, 1): r"subject_to: `.*` is a comparison, .*subject_to\(e",
+    lambda of: of.minimise(ca.logic_or(of.displacement < 0.3, of.c > 1)): r"minimise: `.*` is a comparison",
     lambda of: of.subject_to(of.displacement, np.nan, 1.0): r"needs lower <= upper, got nan and 1\.0",
     lambda of: of.subject_to(of.displacement, "a", 1.0): r"`lower` must be numbers, got str",
     lambda of: of.subject_to(of.joint_angles, 0.0, np.ones(3)): r"`upper` must be one number or 270, .* got 3",

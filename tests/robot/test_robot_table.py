@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 
 from serpenoid.errors import InputError
 from serpenoid.files.schema import read_toml, validate
+from serpenoid.robot.checks import check_table
 from serpenoid.robot.description import Robot
+from serpenoid.robot.plan import make_plan
 from serpenoid.robot.table import read_table, write_table
 from serpenoid.robot.ticks import to_radians, to_ticks
 
@@ -44,6 +46,44 @@ def test_sign_and_zero_turn_the_way_the_robot_file_says():
     angles = np.zeros(10)
     angles[0] = pi / 2
     assert to_ticks(angles, validate(Robot, data, "test"))[0] == 2000 - 1024
+
+
+def test_behind_a_gear_ticks_are_the_servos_and_angles_and_speeds_the_joints():
+    data = read_toml(ROBOT_FILE)
+    data["joint"][0].update(
+        sign=-1, zero_ticks=2000, minimum_ticks=100, maximum_ticks=3900, gear_ratio=2.5, speed_limit_rpm=20
+    )
+    plain, geared = validate(Robot, read_toml(ROBOT_FILE), "test"), validate(Robot, data, "test")
+    angles = np.full((4, 10), 0.5) * np.array([[0], [1], [0], [-1]])
+    ticks = to_ticks(angles, geared)
+    assert ticks[1, 0] == 2000 - round(2.5 * 0.5 * 4096 / (2 * pi))
+    assert (ticks[:, 1:] == to_ticks(angles, plain)[:, 1:]).all()
+    assert np.abs(to_radians(ticks, geared) - angles)[:, 0].max() <= HALF_TICK / 2.5 + 1e-12
+    low, high = geared.joint[0].angle_range
+    assert (low, high) == pytest.approx((-1900 / 2.5 * 2 * pi / 4096, 1900 / 2.5 * 2 * pi / 4096))
+    fast = make_plan(angles, geared, 2.0, 1, 0.0)
+    assert fast.peak_speed_rpm()[0] == pytest.approx(
+        make_plan(angles, plain, 2.0, 1, 0.0).peak_speed_rpm()[0], rel=2e-3
+    )
+    unit = geared.servos[0].rpm_per_velocity_unit
+    assert fast.approach_velocity()[0] == int(2.5 * geared.motion.approach_speed_rpm / unit)
+    assert geared.tracking_limits_deg[1] == plain.tracking_limits_deg[1]
+
+
+def test_a_joint_is_no_faster_than_its_motor_behind_the_gear():
+    data = read_toml(ROBOT_FILE)
+    data["joint"][0].update(gear_ratio=4.0, speed_limit_rpm=20.0)
+    with pytest.raises(
+        InputError, match="at most 15.25 rpm, what XL430-W250-T servos do at 12 V .* behind a gear of 4"
+    ):
+        validate(Robot, data, "test")
+    data["joint"][0].update(speed_limit_rpm=15.0)
+    angles = np.zeros((8, 10))
+    angles[::2, 0] = 0.3
+    refused = [str(refusal) for refusal in check_table(angles, validate(Robot, data, "t"), 1.3, 11.1)]
+    assert len(refused) == 1
+    assert "joint_1 (ID 1), step " in refused[0]
+    assert "the limit is 14.1 rpm (no-load speed at 11.1 V)" in refused[0]  # a quarter of the motor's
 
 
 NOTHING_STATED = {"cycle_duration_s": None, "transient": False, "body": {}, "limits_held": {}}

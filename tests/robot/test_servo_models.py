@@ -237,6 +237,28 @@ def test_a_chain_of_two_models_is_played_and_each_servo_is_asked_by_its_own(tmp_
     assert unit == pytest.approx(round(unit), abs=0.2)  # the log has milliamperes
 
 
+def test_a_gait_behind_gears_is_played_and_logged_as_joint_angles(tmp_path, serial_ports):
+    (tmp_path / "mine.toml").write_text(
+        ROBOT_FILE.read_text().replace("\nspeed_limit_rpm = ", "\ngear_ratio = 1.5\nspeed_limit_rpm = ")
+    )
+    write_table(tmp_path / "gait.csv", gait(amplitude=0.4))
+    with serving(make_chain_of([XL430] * 10), tmp_path) as rig:
+        done = play(tmp_path, rig)
+        assert done.returncode == 0, done.stderr
+        turned = [servo.highest - servo.lowest for servo in rig.chain.servos]
+    _, rows = read_log(tmp_path / "log" / "servo.csv")
+    positions = [float(row["position_5"]) for row in rows if row["phase"] == "play"]
+    assert max(positions) - min(positions) == pytest.approx(0.8, abs=0.03)  # the lag rounds the crests off
+    assert turned[4] == pytest.approx(1.5 * 0.8 * 4096 / (2 * np.pi), rel=0.05)
+
+
+def test_servos_of_a_chain_that_no_one_supply_suits_are_told_so_and_not_one_voltage_after_the_other():
+    data = mixed()
+    data["joint"][4]["model"] = "XL330-M288-T"
+    with pytest.raises(ValueError, match=r"XL330-M288-T servos \(3.7 to 6 V\) and XM430-W350 servos .* no one supply"):
+        Robot.model_validate(data)
+
+
 def test_each_joint_of_a_mixed_chain_has_its_own_tracking_limit():
     chain = validate(Robot, mixed(), "t")
     assert chain.tracking_limits_deg.tolist() == [12.0] * 4 + [10.0] * 2 + [12.0] * 4

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from serpenoid.cli.main import main
+from serpenoid.errors import InputError
 from serpenoid.optimise.chain_store import ChainStore
 from serpenoid.optimise.refine import REFINED
 from serpenoid.optimise.solve import solve
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.performance import pareto_front
+from serpenoid.studies.beside import Beside, beside_of
 from serpenoid.studies.sweep import Sweep, sweep
 from serpenoid.studies.sweep_results import write_sweep
 from specimens import problem
 
+PROBLEMS = Path(__file__).parents[2] / "problems"
 VALUES = (0.0, 0.5, 1.0, 2.0)
 SAME_COST = 1e-7
 
@@ -128,3 +133,44 @@ def test_a_value_of_c_that_cannot_be_solved_is_recorded_and_the_others_go_on() -
     assert result.complete
     assert [p.solution for p in result.points] == [None, None]
     assert all(p.message for p in result.points)
+
+
+def test_a_gait_of_the_family_goes_as_far_as_the_best_and_one_that_is_scaled_does_not(family: Sweep) -> None:
+    amid = sweep(problem("reference-optimum"), [0.7], starts=3, seed=0).solved[0].trajectory
+    best = Beside("optimum", amid.displacement, amid.dissipation).against(family)
+    # four values of c: `between` is good to a few thousandths here
+    assert best["most_displacement"] == pytest.approx(amid.displacement, rel=4e-3)
+    assert best["least_dissipation"] == pytest.approx(amid.dissipation, rel=2e-2)
+    lazy = Beside("scaled", 0.9 * amid.displacement, amid.dissipation).against(family)
+    assert lazy["most_displacement"] == best["most_displacement"]
+    assert lazy["least_dissipation"] < amid.dissipation
+    beyond = Beside("beyond", 0.0, 100.0).against(family)
+    assert beyond["most_displacement"] is beyond["least_dissipation"] is None
+
+
+def test_a_sweep_says_how_near_a_files_own_gait_is_to_its_best(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    file, out = str(PROBLEMS / "reference-optimum.toml"), str(tmp_path / "out")
+    words = ["sweep", file, "--set", "task.steps=24", "--starts", "2", "--no-polish", "--no-figures", "--out", out]
+    assert main([*words, "--c", "0,0.5,1,4", "--beside", file]) == 0
+    assert re.search(
+        r"reference-optimum goes 0\.\d+ for .*; the best of these go 0\.\d+ for as much: it goes \d+ % of that; they "
+        r"go as far for 0\.",
+        capsys.readouterr().out,
+    )
+    assert main(["show", out]) == 0
+    assert "\nreference-optimum goes 0." in capsys.readouterr().out
+    pytest.importorskip("distributed", reason="needs the extra `cluster`")
+    assert main([*words, "--c", "0,0.5,1,4", "--beside", file, "--cluster", "local:1"]) == 0
+    assert "reference-optimum goes 0." in capsys.readouterr().out
+    assert main([*words, "--force", "--c", "0,0.1", "--beside", file]) == 0
+    assert "outside of what these gaits spend and go; widen --c" in capsys.readouterr().out
+    assert main(["sweep", file, file, "--beside", file]) == 2
+
+
+def test_a_gait_of_another_body_or_in_another_medium_is_not_compared() -> None:
+    asked, file = problem("reference-optimum"), PROBLEMS / "reference-optimum.toml"
+    with pytest.raises(InputError, match="has another body, medium or effects than"):
+        beside_of(asked, PROBLEMS / "purcell.toml")
+    with pytest.raises(InputError, match="has another body, medium or effects than"):
+        beside_of(asked, file, ["medium.anisotropy_ratio=0.9"])
+    assert beside_of(asked, file, ["gait.xi=0.7", "task.bounds.xi=[1, 2]"]) == beside_of(asked, file)

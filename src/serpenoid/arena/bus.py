@@ -51,6 +51,8 @@ class Ground:
         if len(joints) != robot.servos:
             remedy = "Name the robot's own body with --problem FILE."
             raise InputError(f"--robot has {len(joints)} joints, the arena's robot {robot.servos}. {remedy}")
+        if any(joint.gear_ratio != 1 for joint in joints):
+            raise InputError("--arena: its robot's motors turn its joints directly: leave `gear_ratio` out.")
         strange = [servo.model.name for servo in servos if servo.model.name != MOTORS]
         if strange:
             remedy = "Leave --arena out: shafts then turn freely"

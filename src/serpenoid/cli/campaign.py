@@ -12,7 +12,8 @@
     serpenoid campaign add my-worm worm-2.csv                   # of an animal there is no log
 
 `add` copies what was played and the cameras' file into the campaign and appends a [[trial]] section; a trial with
-the joint table of an earlier one becomes its repeat. Nothing is changed where the motion file cannot be read.
+the joint table of an earlier one becomes its repeat. Nothing is changed where a file cannot be
+read, or is not what the campaign says of its markers and columns.
 """
 
 from __future__ import annotations

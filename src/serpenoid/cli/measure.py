@@ -23,6 +23,8 @@ from serpenoid.cli.claim import sign
 if TYPE_CHECKING:
     from serpenoid.measure.trial import Motion, Trial
 
+MOST_TOLD = 10  # gaps and jumps of a trial
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `measure`."""
@@ -120,12 +122,15 @@ def trial_lines(trial: Trial, said: Container[str] = ()) -> list[str]:
             what = "displacement" if trial.schedule is None else f"cycle {p.cycle + 1}"
             lines.append(f"  {what:18}{trial.displacement(p):.4f} body lengths")
         long = [gap for gap in motion.gaps if not gap.short]
-        lines += [f"  long gap          {gap.duration_s:.2f} s from frame {gap.first + 1}" for gap in long]
-        for jump in motion.jumps[:10]:
+        lines += [f"  long gap          {gap.duration_s:.2f} s from frame {gap.first + 1}" for gap in long[:MOST_TOLD]]
+        if len(long) > MOST_TOLD:
+            most = max(gap.duration_s for gap in long)
+            lines.append(f"  long gap          and {len(long) - MOST_TOLD} more, {most:.2f} s at most (campaign.json)")
+        for jump in motion.jumps[:MOST_TOLD]:
             who = "whole body" if jump.vertex is None else f"vertex {jump.vertex}"
             lines.append(f"  jump              {who} by {jump.size:.4f} body lengths at {jump.time_s:.3f} s")
-        if len(motion.jumps) > 10:
-            lines.append(f"  jump              and {len(motion.jumps) - 10} more (campaign.json)")
+        if len(motion.jumps) > MOST_TOLD:
+            lines.append(f"  jump              and {len(motion.jumps) - MOST_TOLD} more (campaign.json)")
         if motion.relabelled:
             lines.append(f"  relabelled        {len(motion.relabelled)} unlabelled fragment(s) by the chain's geometry")
         if motion.unused:

@@ -15,6 +15,7 @@ from serpenoid.cli import options
 from serpenoid.cli.claim import REQUEST
 from serpenoid.cli.goals import dissipation_name, goal_lines, in_cycles
 from serpenoid.cli.starts import bound_lines, note_lines, starts_lines
+from serpenoid.cli.sweep import beside_lines
 from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
 from serpenoid.media import DEFAULT, LAWS
 from serpenoid.wording import counted
@@ -178,7 +179,7 @@ def _sweep_lines(folder: Path, record: dict[str, Any]) -> list[str]:
             continue
         numbers = [float(row[key]) for key in ("c", "displacement_body_lengths", "dissipation", "cost")]
         lines.append(f"{numbers[0]:8.3f}{numbers[1]:14.6f}{numbers[2]:13.6f}{numbers[3]:11.6f}")
-    return lines
+    return lines + [line.strip() for line in beside_lines(record.get("beside"))]
 
 
 def _diagnosis_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
@@ -221,7 +222,8 @@ def _campaign_lines(folder: Path) -> list[str]:
     from serpenoid.measure.campaign import load_campaign_file
 
     file, _ = load_campaign_file(folder)
-    return [f"campaign {file.name}: {len(file.trial)} trial(s)", *(f"  {t.name}  {t.gait}" for t in file.trial)]
+    trials = [" ".join([f"  {trial.name}", *([f" {trial.gait}"] if trial.gait else [])]) for trial in file.trial]
+    return [f"campaign {file.name}: {counted(len(file.trial), 'trial')}", *trials]
 
 
 def _as_said(folder: Path, _record: dict[str, Any]) -> list[str]:

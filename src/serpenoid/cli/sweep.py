@@ -11,6 +11,10 @@ Each point is the optimum with `task.steps` rows; with more rows the optimum may
 have kinks that come from the mesh. `--refine` solves every point again with more steps until the error of its
 displacement is below 0.1 %.
 
+`--beside FILE` simulates the gait of another problem file (the mean beat that `measure` writes of an animal, say) and
+says how far the best gaits go for as much dissipation, and what they dissipate to go as far. What `--set` and `--model`
+say of the body and its medium acts on it, too.
+
 The cost of transport is (p_idle + dissipation) / displacement, with p_idle the idle energy per cycle in units of the
 normalised dissipation; with [power] in the problem file also in SI.
 """
@@ -28,6 +32,7 @@ from serpenoid.wording import counted, percent
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
+    from serpenoid.studies.beside import Beside
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -48,6 +53,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-polish", action="store_true", help="leave out the derivative-free check of every point")
     parser.add_argument(
         "--refine", action="store_true", help="solve every point again with more steps, until it is good to 0.1 %%"
+    )
+    parser.add_argument(
+        "--beside", metavar="FILE", help="problem file of the same body whose gait is compared with these"
     )
     options.add_workers(parser, "problems")
     options.add_output(parser, "results/<problem>/sweep-<hash>")
@@ -94,6 +102,7 @@ def run(args: argparse.Namespace) -> int:
     for problem in problems:
         check_weights(problem, values)
         options.warn_of_problem(problem)
+    beside = _beside(args, problems)
     folders = [_folder(args, problem, values) for problem in problems]
     if len(set(folders)) < len(folders):
         raise InputError("two of the problem files would write to the same folder: name each once, or rename one.")
@@ -103,11 +112,11 @@ def run(args: argparse.Namespace) -> int:
         summaries = []
         for problem, folder in zip(problems, folders, strict=True):
             with options.progress_bar(args, f"{problem.name}", (2 + args.refine) * len(values)) as advance:
-                summaries.append(sweep_one(problem, values, folder, vars(args), advance))
+                summaries.append(sweep_one(problem, values, folder, vars(args), advance, beside))
             if not summaries[-1]["complete"]:
                 break
     else:
-        summaries = _in_parallel(args, problems, values, folders)
+        summaries = _in_parallel(args, problems, values, folders, beside)
     options.report(
         args, summaries, [line for summary in summaries for line in _lines(summary, args.starts, args.refine)]
     )
@@ -119,21 +128,43 @@ def run(args: argparse.Namespace) -> int:
     return 1 if any(s["failed"] for s in summaries) else 0
 
 
-def sweep_one(problem: Problem, values: list[float], folder: Path, settings: dict, advance: Any = None) -> dict:
+def _beside(args: argparse.Namespace, problems: list[Problem]) -> Beside | None:
+    """The gait of `--beside`, simulated before the work begins."""
+    from serpenoid.errors import InputError
+
+    if args.beside is None:
+        return None
+    if len(problems) > 1:
+        raise InputError("--beside: is compared with the gaits of one problem. Sweep the others without it.")
+    from serpenoid.studies.beside import beside_of
+
+    return beside_of(problems[0], args.beside, args.set, args.model)
+
+
+def sweep_one(
+    problem: Problem,
+    values: list[float],
+    folder: Path,
+    settings: dict,
+    advance: Any = None,
+    beside: Beside | None = None,
+) -> dict:
     """One problem's sweep with its folder; returns the summary."""
     from serpenoid.studies.sweep import sweep
     from serpenoid.studies.sweep_results import write_sweep
 
     polish = not settings["no_polish"]
     result = sweep(problem, values, settings["starts"], settings["seed"], folder, polish, advance, settings["refine"])
-    return write_sweep(folder, result, figures=not settings["no_figures"])
+    return write_sweep(folder, result, not settings["no_figures"], beside)
 
 
-def _in_parallel(args: argparse.Namespace, problems: list, values: list[float], folders: list[Path]) -> list[dict]:
+def _in_parallel(
+    args: argparse.Namespace, problems: list, values: list[float], folders: list[Path], beside: Beside | None
+) -> list[dict]:
     from serpenoid.parallel import results
 
     settings = {key: getattr(args, key) for key in ("starts", "seed", "no_polish", "no_figures", "refine")}
-    tasks = [(p, values, f.resolve(), settings) for p, f in zip(problems, folders, strict=True)]
+    tasks = [(p, values, f.resolve(), settings, None, beside) for p, f in zip(problems, folders, strict=True)]
     summaries = []
     with options.progress_bar(args, "problems", len(problems)) as advance:
         for _, summary in results(sweep_one, tasks, options.workers(args)):
@@ -166,11 +197,29 @@ def _lines(summary: dict, starts: int, refined: bool) -> list[str]:
         f"{summary['problem']}: {solved}{kept}, {summary['failed']} failed{missing}",
         *_failures(summary["failures"]),
         *([f"  displacement {went[0]:.4f} .. {went[1]:.4f} body lengths", _transport(window)] if went else []),
+        *beside_lines(summary.get("beside")),
         *(f"  {line}, at the least c" for line in summary["limits"]),
         *_mesh_lines(summary["mesh"], refined, summary["complete"]),
         f"  either end began from {counted(starts, 'random gait')}; more (--starts) may find a better branch",
         f"  written to {summary['folder']}",
     ]
+
+
+def beside_lines(beside: dict[str, Any] | None) -> list[str]:
+    """How near a gait of the user's own is to the best."""
+    if beside is None:
+        return []
+    went, spent, most, least = (
+        beside[key] for key in ("displacement", "dissipation", "most_displacement", "least_dissipation")
+    )
+    said = f"  {beside['gait']} goes {went:.4f} for a dissipation of {spent:.4f}"
+    if most is None and least is None:
+        return [f"{said}: outside of what these gaits spend and go; widen --c"]
+    far = (
+        [] if most is None else [f"the best of these go {most:.4f} for as much: it goes {percent(went / most)} of that"]
+    )
+    much = [] if least is None else [f"they go as far for {least:.4f}"]
+    return [f"{said}; {'; '.join(far + much)}"]
 
 
 def _failures(failures: list[dict[str, Any]]) -> list[str]:

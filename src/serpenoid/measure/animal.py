@@ -212,6 +212,11 @@ def _clock(motion: Motion) -> list[str]:
 
 def _sampling(motion: Motion) -> list[str]:
     edges, points = edges_per_wave(motion), motion.joint_angles.shape[1] + 2
+    if points == 3:
+        return [
+            "3 points have one joint, which shows no wave and moves no body by drag: no K can be told from them; track "
+            f"{LEAST_EDGES:g} edges or more for each wave on the body"
+        ]
     if not edges < LEAST_EDGES:
         return []
     return [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Sequence
+from itertools import compress
 from pathlib import Path
 
 import numpy as np
@@ -17,19 +18,31 @@ from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
 Floats = NDArray[np.float64]
 Rows = list[list[str]]
 PLAIN = re.compile(r"[0-9eE+., \t-]*", re.ASCII)  # cells that float() takes as everybody does
-DATED = re.compile(r"([0-9]{4}-[0-9]{2}-[0-9]{2}|[0-9]{1,2}:[0-9]{2}).*", re.ASCII | re.DOTALL)  # ISO 8601
+DATED = re.compile(
+    r"([0-9]{4}-[0-9]{2}-[0-9]{2}|[0-9]{1,2}:[0-9]{2}"  # ISO 8601
+    r"|[0-9]{1,2}[./-][0-9]{1,2}[./-]([0-9]{4}|[0-9]{2}\b)"  # 11.05.2023 and 5/11/23
+    r"|[0-9]{1,2}[. /-]+[^\W\d_]{3,}|[^\W\d_]{3,}[. /-]+[0-9]{1,4}\b).*",  # 11. Mai and May-23
+    re.DOTALL,
+)
 NO_DATES = (
     " Dates and times of day are not read: write seconds (or `time_unit`) since any moment, with their fractions, or "
-    "count frames (`frames_per_second`)."
+    "count frames (`frames_per_second`). A position that is a date was made one by a spreadsheet: open the original "
+    "there with its columns as text, or not at all."
 )
+FAILED = re.compile(r"#[^\W_]*[/0-9A-Z]*[!?]")  # #VALUE! and #DIV/0!, in any language
+NO_FORMULAS = " A spreadsheet's formula failed there: mend it, or leave the cell empty."
+HASHES = re.compile(r"##+")
+NO_HASHES = " A spreadsheet's column was too narrow to show it: widen it and save again, or take the original."
 MARKED = re.compile(r"[+-]?[0-9]{1,3}([,' \u00a0\u202f.][0-9]+)+", re.ASCII)  # 1,234.5 and 0,5
 NO_MARKS = " Write a point before decimals, and nothing between thousands."
-CURES = ((DATED, NO_DATES), (MARKED, NO_MARKS))
+CURES = ((MARKED, NO_MARKS), (DATED, NO_DATES), (FAILED, NO_FORMULAS), (HASHES, NO_HASHES))
+GROUPED = re.compile(r"[+-]?[1-9][0-9]{0,2}\.[0-9]{3}", re.ASCII)  # 1.234: perhaps a thousand
 UNITS = {"s", "ms", "us", "ns", "m", "cm", "mm", "um", "px", "rad", "deg", "degrees"}
 NO_UNITS = " Is that a row of units? Leave it out, and tell units in campaign.toml (docs/your-csv.md)."
 MISSING = {"", "nan", "na", "n/a", "#n/a", "#nv", "null", "none", "-", "--"} | {  # of many programs; the rest: of C
     "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind"
 }  # fmt: skip
+UNEVEN = 0.5  # so much less unevenly do numbers run on whose marks divide thousands, read as that
 LARGEST = 1e19  # a larger number is no measurement: nanoseconds since 1970 are 2e18
 
 
@@ -143,7 +156,32 @@ def block(
         found[row - first] = numbers or [number(rows, row, c, path, n) for c, n in cell]
     for row, column in np.argwhere(np.abs(found) > LARGEST)[:1].tolist():
         number(rows, first + row, columns[column], path, names[column])  # names the cell
+    for column, values, name in zip(columns, found.T, names, strict=True):
+        _refuse_thousands([row[column].strip() for row in rows[first:]], values, place(path, first, column, name))
     return found
+
+
+def _refuse_thousands(cells: Sequence[str], values: Floats, where: str) -> None:
+    """Refuse a column whose marks divide thousands (998, 1.002): every number with a mark has three digits behind it
+    and none before it is zero, others have none, and as thousands they run on far more evenly."""
+    marked = np.array(["." in cell for cell in cells])
+    if not marked.any() or not all(GROUPED.fullmatch(cell) for cell in compress(cells, marked)):
+        return
+    whole = ~marked & np.isfinite(values) & (values != 0)
+    if whole.any() and np.abs(values[whole]).max() < 1000:
+        seen = np.isfinite(values)
+        as_thousands = np.where(marked, 1000 * values, values)
+        if _unevenness(as_thousands[seen]) < UNEVEN * _unevenness(values[seen]):
+            example = next(compress(cells, marked))
+            raise InputError(
+                f"{where}: `{example}` and whole numbers below 1000 in one column: do marks divide thousands there, as "
+                "spreadsheets write them? Save numbers without marks between thousands."
+            )
+
+
+def _unevenness(values: Floats) -> float:
+    """Squared changes from row to row over the variance (von Neumann's ratio)."""
+    return float(np.mean(np.diff(values) ** 2)) / max(float(np.var(values)), 1e-300)
 
 
 def whole_points(floor: Floats, first: int, columns: Sequence[int], names: Sequence[str], path: Path) -> Floats:

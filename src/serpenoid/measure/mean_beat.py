@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.body import Body
-from serpenoid.files.writing import write_text
+from serpenoid.files.writing import toml_string, write_text
 from serpenoid.measure.beat import Beat
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.trial import Motion, Trial
@@ -77,10 +77,11 @@ def _problem(trial: Trial, medium: OpenMedium | None, table: str, period_s: floa
     weights = [f"weights = {json.dumps(own)}"] if own else []
     edges = body.edges_m if trial.metres else body.edges_m / body.edges_m.sum()  # of pixels in body lengths
     law = [] if medium is None else [f'law = "{medium.law}"']
+    asked = f"How far does the mean beat of {trial.name} go, and the best of the same body?"
     lines = [
         f"# The mean beat of `{trial.name}`: `simulate` moves it, `sweep --set gait.family=ellipse` finds the best.",
         "[about]",
-        f"question = {json.dumps(f'How far does the mean beat of {trial.name} go, and the best of the same body?')}",
+        f"question = {toml_string(asked)}",
         "",
         "[body]",
         f"vertices = {body.vertices}",

@@ -54,7 +54,10 @@ def _header(rows: Rows, path: Path) -> _Header:
     facts = dict(zip(words, words[1:], strict=False))  # whatever commas a take's name has
     version = facts.get("Format Version", "")
     if version not in KNOWN_VERSIONS:
-        raise InputError(f"{path}: row 1, column B: format version must be 1.21 to 1.25, got {version!r}.")
+        raise InputError(
+            f"{path}: row 1, column B: format version must be 1.21 to 1.25, got {version!r}. "
+            'Export the take from Motive 2 or 3, or as C3D or TRC (`format = "c3d"`, "trc").'
+        )
     axes = next((i for i, row in enumerate(rows[:12]) if row and row[0].strip() == "Frame"), None)
     if axes is None:
         raise InputError(f"{path}: no row starts with `Frame` among the first 12: the header is broken or cut off.")

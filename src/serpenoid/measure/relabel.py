@@ -176,13 +176,19 @@ def _seed(tracks: Tracks, free: list[int], edges: Floats) -> list[int]:
             return [here[i] for i in chains[0]]
         if len(chains) > 1:
             raise InputError(
-                f"{tracks.source}: no marker has a name and the chain fits {len(chains)} ways round. "
-                "Name at least the head or tail marker in `markers`."
+                f"{tracks.source}: the campaign names no `markers`, and the chain fits {len(chains)} ways round. "
+                "Name at least the head or tail marker there."
             )
     raise InputError(
-        f"{tracks.source}: no marker has a name, and in no frame do {len(edges) + 1} of them form a chain with the "
-        "body's edge lengths. Wrong length unit, or missing markers?"
+        f"{tracks.source}: the campaign names no `markers`, and in no frame do {len(edges) + 1} form a chain with the "
+        f"body's edge lengths in one way. {_to_name(tracks)}Is the length unit right, are all markers there?"
     )
+
+
+def _to_name(tracks: Tracks) -> str:
+    """Which markers of the file have a name, if any has: `markers` could say who is who."""
+    named = [name for name, without in zip(tracks.names, tracks.unlabelled, strict=True) if not without]
+    return f"Say them in [motion], tail first; the file has {', '.join(named[:20])}. " if named else ""
 
 
 def _chains(points: Floats, edges: Floats) -> list[list[int]]:

@@ -11,6 +11,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 
+COMPARED = {ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_NOT, ca.OP_AND, ca.OP_OR}
 HOW = "Build it of the symbols of sp.Criteria with casadi's functions (ca.sin, not math.sin; ca.if_else, not if)."
 
 
@@ -23,6 +24,12 @@ def expression(value: Any, where: str, known: Set[int]) -> ca.SX:
     foreign = [symbol.name() for symbol in ca.symvar(found) if symbol.element_hash() not in known]
     if foreign:
         raise InputError(f"{where}: `{foreign[0]}` is no symbol of these criteria. {HOW}")
+    truths = [e for e in ca.vertsplit(ca.vec(ca.densify(found))) if e.op() in COMPARED]
+    if truths:
+        raise InputError(
+            f"{where}: `{str(truths[0])[:60]}` is a comparison, 0 or 1 without a slope, which asks nothing of a gait. "
+            "Give what is compared as an expression: subject_to(expression, lower, upper)."
+        )
     if found.is_constant() and np.isnan(ca.evalf(found).full()).any():
         raise InputError(f"{where}: is not a number (NaN), whatever the gait. {HOW}")
     return found

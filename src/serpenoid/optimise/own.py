@@ -41,8 +41,10 @@ class OwnCertificate(Shown):
     mesh: MeshStudy
 
     def summary(self) -> str:
-        """Status and displacement."""
-        return f"{self.status.value}, {self.trajectory.displacement:.6f} body lengths per cycle"
+        """Status and displacement; of a gait beyond the problem's limits, by how much."""
+        over = f"joint angles or their changes exceed the problem's limits by {self.limit_excess:.1e} rad"
+        said = over if self.status is Status.INFEASIBLE else self.status.value
+        return f"{said}, {self.trajectory.displacement:.6f} body lengths per cycle"
 
 
 def certify_table(problem: Problem | str | Path, table: Floats, poses: Floats | None = None) -> OwnCertificate:

@@ -69,13 +69,23 @@ class GaitNLP:
     @cached_property
     def vertices(self) -> ca.MX:
         """Vertices (2 or 3, N (T + 1)) at rows 0 .. T, tail to head, in the body frame of row 0 [body lengths]."""
-        layout, cycle = self._layout, self._layout.cycle
+        cycle = self._layout.cycle
         if isinstance(self.family, LiftedFamily):
             at = self.structure, self.family.lift, cycle.poses, cycle.shapes
             return placed_lifted_vertices(*at, self.model_parameters)
+        return placed_vertices(self.structure, cycle.poses, self.joint_angles, self.model_parameters)
+
+    @cached_property
+    def joint_angles(self) -> ca.MX:
+        """The joint table (m, R); in space yaws, then pitches, (2 m, R) [rad]."""
+        layout = self._layout
         angles = self.gait if self.family.free else (layout.table or layout.table_layer()).value(*layout.at)
-        table = ca.reshape(angles, len(self.structure.joints), -1)
-        return placed_vertices(self.structure, cycle.poses, table, self.model_parameters)
+        return ca.reshape(angles, self.family.joints, -1)
+
+    @property
+    def poses(self) -> ca.MX:
+        """Poses (3 or 6, T + 1) of the body frame, the first of them the origin [body lengths, rad]."""
+        return self._layout.cycle.poses
 
     @property
     def head(self) -> ca.MX:

@@ -21,6 +21,7 @@ from serpenoid.plot.style import BLUE, CHAIN_MAP, FAINT, GREEN, GREY, RED, dress
 C_LABEL = "dissipation coefficient c"
 DELTA_LABEL, D_LABEL = "displacement [body lengths / cycle]", "dissipation [normalised]"
 SAMPLES = 300  # along a curve: two pixels apart
+OneGait = tuple[str, float, float]  # name, displacement, dissipation
 PARAMETERS = {
     "sigma": (BLUE, "flatness σ"),
     "a": (GREEN, "half axis a [rad / body length]"),
@@ -84,6 +85,16 @@ def pareto(family: Family, ax: Axes, title: str = "Pareto front") -> Axes:
     ax.set(xlim=_around(x), ylim=_around(y))
     ax.ticklabel_format(useOffset=False)
     return dress(ax, title, D_LABEL, DELTA_LABEL)
+
+
+def one_gait(beside: OneGait, ax: Axes) -> Axes:
+    """Another gait among those of the front, with room about it."""
+    name, y, x = beside
+    ax.plot([x], [y], "*", color=RED, markersize=13, markeredgewidth=0, zorder=4, label=name)
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    room = 0.05 * (right - left), 0.05 * (high - low)
+    ax.set(xlim=(min(left, x - room[0]), max(right, x + room[0])), ylim=(min(low, y - room[1]), max(high, y + room[1])))
+    return ax
 
 
 def gait_parameters(family: Family, ax: Axes, name: str, title: str = "") -> Axes:

@@ -29,7 +29,7 @@ from serpenoid.wording import up_to
 if TYPE_CHECKING:
     from serpenoid.optimise.multistart import MultiStart
     from serpenoid.optimise.solution import Solution
-    from serpenoid.plot.family import Family
+    from serpenoid.plot.family import Family, OneGait
 
 MANY_JOINTS = 24
 ANIMATED_CYCLES = 2
@@ -73,12 +73,12 @@ def spatial_figures(folder: str | Path, problem: Problem, trajectory: LiftedTraj
     return names
 
 
-def sweep_figures(folder: str | Path, data: Family) -> list[str]:
+def sweep_figures(folder: str | Path, data: Family, beside: OneGait | None = None) -> list[str]:
     """The family over c, its Pareto front, the cost of transport of gaits that move: of two gaits or more."""
     family = data.solved()
     if family.c.size < 2:
         return []
-    made = {"family": family_figure(family), "pareto": front_figure(family)}
+    made = {"family": family_figure(family), "pareto": front_figure(family, beside)}
     moving = family.moving()
     if moving.c.size > 1:
         made["cost-of-transport"] = costs_figure(moving)

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from serpenoid.gaits import EllipseGait
 from serpenoid.plot import family as panels
 from serpenoid.plot import transport
-from serpenoid.plot.family import Family
+from serpenoid.plot.family import Family, OneGait
 from serpenoid.plot.style import CHAIN_MAP, RED, colour_bar, figure
 
 TITLES = {"sigma": "Flatness", "a": "Amplitude", "xi": "Spatial frequency"}
@@ -33,11 +33,13 @@ def family_figure(family: Family) -> Figure:
     return fig
 
 
-def front_figure(family: Family) -> Figure:
-    """Displacement against dissipation."""
+def front_figure(family: Family, beside: OneGait | None = None) -> Figure:
+    """Displacement against dissipation, and a gait beside the family."""
     fig = figure(6.2, 4.4)
     ax = fig.add_subplot()
     panels.pareto(family, ax)
+    if beside is not None:
+        panels.one_gait(beside, ax)
     ax.legend(frameon=False, fontsize=8, loc="lower right")
     colour_bar(ax, CHAIN_MAP, family.c[0], family.c[-1], panels.C_LABEL, pad=0.02, aspect=35)
     return fig

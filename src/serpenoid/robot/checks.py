@@ -130,7 +130,7 @@ def check_start(present: NDArray[np.int64], first_row: NDArray[np.int64], robot:
             remedy = "Torque is off: turn the joint by hand into its range."
             refusals.append(Refusal(where, f"the servo stands at {present[j]} ticks", limit, remedy))
             continue
-        jump = degrees(abs(int(first_row[j]) - int(present[j])) * joint.servo.radians_per_tick)
+        jump = degrees(abs(int(first_row[j]) - int(present[j])) * joint.radians_per_tick)
         if jump > limit_deg:
             remedy = "Torque is off: bring the robot nearer to its first shape by hand, or raise `approach_limit_deg`."
             value = f"the first row is {jump:.1f} degrees away from where the servo stands"
@@ -192,7 +192,7 @@ def _check_speeds(
 ) -> list[Refusal]:
     refusals = []
     for j, joint in enumerate(robot.joint):
-        no_load = joint.servo.no_load_speed_rpm(voltage)
+        no_load = joint.no_load_speed_rpm(voltage)
         limit = min(joint.speed_limit_rpm, no_load)
         step = int(speeds[:, j].argmax())
         if speeds[step, j] > limit:

@@ -30,7 +30,10 @@ ModelName = Annotated[str, AfterValidator(known_model), Field(json_schema_extra=
 
 
 class JointServo(Record):
-    """One servo: `ticks = zero_ticks + sign * angle * 4096 / (2 pi)`, kept in minimum_ticks..maximum_ticks."""
+    """One servo: `ticks = zero_ticks + sign * gear_ratio * angle * 4096 / (2 pi)`, from minimum_ticks to maximum_ticks.
+
+    Ticks and volts are the servo's; angles, speeds and what follows are of the joint that it turns.
+    """
 
     model: ModelName | None = None  # None: the robot's, which `Robot` writes here
     id: int = Field(ge=0, le=252)
@@ -38,6 +41,7 @@ class JointServo(Record):
     zero_ticks: int = Field(ge=0)
     minimum_ticks: int = Field(ge=0)
     maximum_ticks: int = Field(ge=0)
+    gear_ratio: float = Field(default=1.0, ge=0.1, le=100)  # turns of the servo for one of the joint; 1: none outside
     speed_limit_rpm: float = Field(ge=0.001)
 
     @field_validator("zero_ticks", "minimum_ticks", "maximum_ticks")
@@ -51,10 +55,12 @@ class JointServo(Record):
     @field_validator("speed_limit_rpm")
     @classmethod
     def _not_faster_than_its_motor(cls, rpm: float, info: ValidationInfo) -> float:
-        servo = models().get(info.data.get("model") or "")
-        if servo is not None and rpm > servo.fastest[1]:
+        servo, gear = models().get(info.data.get("model") or ""), info.data.get("gear_ratio", 1.0)
+        if servo is not None and rpm * gear > servo.fastest[1]:
             volts, most = servo.fastest
-            raise ValueError(f"must be at most {most:g} rpm, what {servo.name} servos do at {volts:g} V without load")
+            behind = "" if gear == 1 else f" behind a gear of {gear:g}"
+            does = f"what {servo.name} servos do at {volts:g} V without load{behind}"
+            raise ValueError(f"must be at most {most / gear:g} rpm, {does}")
         return rpm
 
     @model_validator(mode="after")
@@ -72,10 +78,37 @@ class JointServo(Record):
     def angle_range(self) -> tuple[float, float]:
         """Smallest and largest joint angle [rad]."""
         ends = [
-            self.sign * (t - self.zero_ticks) * self.servo.radians_per_tick
-            for t in (self.minimum_ticks, self.maximum_ticks)
+            self.sign * (t - self.zero_ticks) * self.radians_per_tick for t in (self.minimum_ticks, self.maximum_ticks)
         ]
         return min(ends), max(ends)
+
+    @property
+    def radians_per_tick(self) -> float:
+        """What a tick of the servo turns the joint by [rad]."""
+        return self.servo.radians_per_tick / self.gear_ratio
+
+    @property
+    def ticks_per_turn(self) -> float:
+        """Ticks of the servo for a turn of the joint."""
+        return self.servo.ticks_per_turn * self.gear_ratio
+
+    @property
+    def rpm_per_velocity_unit(self) -> float:
+        """What a unit of the servo's speed registers turns the joint by [rpm]."""
+        return self.servo.rpm_per_velocity_unit / self.gear_ratio
+
+    @property
+    def tracking_limit_deg(self) -> float:
+        """How far the joint may stand from its command, as its servo's gain has it [degrees]."""
+        return self.servo.tracking_limit_deg / self.gear_ratio
+
+    def velocity_units(self, rpm: float) -> int:
+        """A speed of the joint in the servo's registers."""
+        return self.servo.velocity_units(rpm * self.gear_ratio)
+
+    def no_load_speed_rpm(self, voltage: float) -> float:
+        """Of the joint, without load."""
+        return self.servo.no_load_speed_rpm(voltage) / self.gear_ratio
 
 
 class BusSettings(Record):
@@ -146,6 +179,11 @@ class Robot(Record):
 
     @model_validator(mode="after")
     def _its_servos_can_do_that(self) -> Self:
+        weak = min(self.kinds, key=lambda servo: servo.voltage_range[1])
+        strong = max(self.kinds, key=lambda servo: servo.voltage_range[0])
+        if weak.voltage_range[1] < strong.voltage_range[0]:
+            told = " and ".join("{} servos ({:g} to {:g} V)".format(s.name, *s.voltage_range) for s in (weak, strong))
+            raise ValueError(f"{told} share no voltage, so no one supply suits both: take other models")
         for fault in (fault for servo in self.kinds for fault in self._beyond(servo)):
             raise ValueError(fault)
         if not self.voltage.minimum_V <= self.nominal_V <= self.voltage.maximum_V:
@@ -193,7 +231,7 @@ class Robot(Record):
     def tracking_limits_deg(self) -> NDArray[np.float64]:
         """How far each joint may stand from its command (m,)."""
         told = self.tracking.limit_deg
-        return np.array([servo.tracking_limit_deg if told is None else told for servo in self.servos])
+        return np.array([joint.tracking_limit_deg if told is None else told for joint in self.joint])
 
     @property
     def arrival_tolerances_deg(self) -> NDArray[np.float64]:

@@ -106,12 +106,12 @@ class Plan:
 
     def approach_velocity(self) -> list[int]:
         """Profile Velocity (112) on the way to the first row."""
-        return [servo.velocity_units(self.robot.motion.approach_speed_rpm) for servo in self.robot.servos]
+        return [joint.velocity_units(self.robot.motion.approach_speed_rpm) for joint in self.robot.joint]
 
     def play_velocity(self) -> list[int]:
         """Profile Velocity (112) while playing: enough for the table, never above the joint's limit."""
         return [
-            joint.servo.velocity_units(min(SPEED_RESERVE * peak, joint.speed_limit_rpm))
+            joint.velocity_units(min(SPEED_RESERVE * peak, joint.speed_limit_rpm))
             for peak, joint in zip(self.peak_speed_rpm(), self.robot.joint, strict=True)
         ]
 
@@ -123,7 +123,7 @@ class Plan:
             "drive_mode": [0] * len(joints),
             "operating_mode": [joint.servo.position_mode for joint in joints],
             "homing_offset": [0] * len(joints),
-            "velocity_limit": [joint.servo.velocity_units(joint.speed_limit_rpm) for joint in joints],
+            "velocity_limit": [joint.velocity_units(joint.speed_limit_rpm) for joint in joints],
             "minimum_position_limit": [joint.minimum_ticks for joint in joints],
             "maximum_position_limit": [joint.maximum_ticks for joint in joints],
         }
@@ -155,7 +155,7 @@ def row_speeds_rpm(
 ) -> NDArray[np.float64]:
     """Speed (T, m) of every step: from each row to the next, and in a closed table from the last to the first."""
     steps = travels(ticks, closed)
-    per_turn = np.array([servo.ticks_per_turn for servo in robot.servos])
+    per_turn = np.array([joint.ticks_per_turn for joint in robot.joint])
     return np.asarray(steps * (len(steps) * 60.0 / (per_turn * cycle_duration_s)))
 
 

@@ -55,8 +55,8 @@ def narrower(bus: Bus, robot: Robot) -> tuple[Robot, list[str]]:
         if high < joint.maximum_ticks:
             own["maximum_ticks"] = high
         factory = servo.registers["velocity_limit"].initial
-        if speed < servo.velocity_units(joint.speed_limit_rpm) and speed < factory:
-            own["speed_limit_rpm"] = speed * servo.rpm_per_velocity_unit
+        if speed < joint.velocity_units(joint.speed_limit_rpm) and speed < factory:
+            own["speed_limit_rpm"] = speed * joint.rpm_per_velocity_unit
         said = [f"`{name}` is {value:.4g}, not {getattr(joint, name):g}" for name, value in own.items()]
         if said:
             holds = "the narrower limit holds (--widen-limits writes the robot file's)"

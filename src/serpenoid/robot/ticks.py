@@ -1,4 +1,5 @@
-"""Radians to servo ticks and back: `ticks = zero_ticks + sign * round(angle / tick)`, tick = 2 pi / ticks per turn.
+"""Radians to servo ticks and back: `ticks = zero_ticks + sign * round(angle / tick)`, tick = 2 pi / ticks per turn of
+the joint, between which and the servo a gear may stand.
 
 m: joints. The round trip radians -> ticks -> radians is exact within half a tick, pi / 4096 rad of most servos.
 """
@@ -19,7 +20,7 @@ def coarsest_tick() -> float:
 
 def radians_per_tick(robot: Robot) -> NDArray[np.float64]:
     """Of each joint (m,)."""
-    return np.array([servo.radians_per_tick for servo in robot.servos])
+    return np.array([joint.radians_per_tick for joint in robot.joint])
 
 
 def to_ticks(angles: ArrayLike, robot: Robot) -> NDArray[np.int64]:

@@ -19,7 +19,8 @@ from serpenoid.errors import InputError
 from serpenoid.files.inputs import read_json, read_text
 from serpenoid.files.schema import plain_name, read_toml, validate
 from serpenoid.files.writing import write_text
-from serpenoid.measure.campaign import CampaignFile, load_campaign_file, read_motion
+from serpenoid.measure.campaign import CampaignFile, load_campaign_file
+from serpenoid.measure.trial_files import read_trial
 from serpenoid.robot.stated import read_stated
 from serpenoid.robot.ticks import coarsest_tick
 from serpenoid.scaffold.campaign import BEGIN, END
@@ -116,9 +117,9 @@ def _copy(target: Path, new: NewTrial) -> None:
 
 
 def _check(text: str, file: Path, name: str, folder: Path) -> None:
-    """The file with the new trial must be valid, and its motion readable."""
+    """The file with the new trial must be valid, and its files what that says of them: units, columns, markers."""
     data = validate(CampaignFile, tomllib.loads(text), str(file))
-    read_motion(data, next(trial for trial in data.trial if trial.name == name), folder)
+    read_trial(data, next(trial for trial in data.trial if trial.name == name), folder)
 
 
 def _entry(known: CampaignFile, folder: Path, new: NewTrial) -> dict[str, Any]:

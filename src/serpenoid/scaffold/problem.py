@@ -17,6 +17,7 @@ from serpenoid.body import ANIMALS, Body, Kind
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
 from serpenoid.joint_range import LARGEST
+from serpenoid.media import DEFAULT, LAWS
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import (
     ONE_SIDED,
@@ -37,6 +38,7 @@ POINTS = 21  # along an animal: drag in the middles of its edges leaves out 1/40
 PIECES = 4  # a link: drag in their middles leaves out 1/16 of what resists its own turning
 LENGTH, DURATION = "0.6", "5"  # of a robot, where nothing is said
 UNKNOWN = dict.fromkeys(ANIMALS, "")
+RESIST = ", ".join(f"`{law.name}` ({law.title})" for law in LAWS.values())
 
 
 QUESTIONS = (
@@ -85,6 +87,7 @@ QUESTIONS = (
         one_of("vertex", "edge"),
         animals=dict.fromkeys(ANIMALS, "edge"),
     ),
+    Question("law", f"What resists: {RESIST}?", DEFAULT, one_of(*LAWS)),
     Question(
         "anisotropy",
         "Drag lengthwise over sideways (wheels: 0.2, slender swimmers: 0.5)",
@@ -138,6 +141,8 @@ question = "Which gait carries {name} farthest per cycle, for what it dissipates
 [medium]
 anisotropy_ratio = {answers["anisotropy"]:g}     # `serpenoid fit` finds it from recordings
 dissipation = "{answers["dissipation"]}"       # "vertex": drag at wheels or feet; "edge": along a smooth body
+# what resists: {RESIST.replace("`", "")}
+law = "{answers["law"]}"
 
 [gait]                       # where the optimiser begins, and what `simulate` plays
 sigma = 1.0

@@ -162,6 +162,7 @@ def _head(hint: str, file: str, servo: ServoModel, answers: Answers, cycle_durat
 #   serpenoid play RESULTS --robot {typed} --log trials/first      play and record
 # Calibrate: straighten the robot by hand, copy the ticks that `robot scan` shows into `zero_ticks` and shift the limits
 # with them. Turn a joint counter-clockwise seen from above: if its ticks fall, its sign is -1.
+# Behind a gear or a belt a joint has `gear_ratio`, turns of its servo for one of the joint.
 format = 1
 name = "{name}"
 model = "{servo.name}"  # a [[joint]] with another servo says `model` itself

@@ -13,11 +13,14 @@ from serpenoid.optimise.solution import Solution
 from serpenoid.performance import electrical_cost_of_transport, idle_for_minimum, pareto_front
 from serpenoid.problem import Problem
 from serpenoid.results import write_solution
+from serpenoid.studies.beside import Beside
 from serpenoid.studies.sweep import NOT_REACHED, Sweep, SweepPoint
 
 
-def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict[str, Any]:
-    """Write everything and return the summary."""
+def write_sweep(
+    folder: str | Path, result: Sweep, figures: bool = True, beside: Beside | None = None
+) -> dict[str, Any]:
+    """Write everything and return the summary; beside: a gait that the family is compared with."""
     folder = Path(folder)
     for solution in result.solved:
         write_solution(folder / f"c-{solution.c!r}", solution, figures=False)
@@ -41,6 +44,7 @@ def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict
         "limits": limit_lines(result.problem, solved[0].table) if solved else [],
         "idle_for_minimum_between_1_and_2": window,
         "mesh": _mesh(solved) if solved else None,
+        **({} if beside is None else {"beside": beside.against(result)}),
         "status": "solved" if len(solved) == len(result.points) and result.complete else "incomplete",
         "provenance": provenance(problem=result.problem.name, problem_hash=result.problem.hash),
     }
@@ -49,7 +53,10 @@ def write_sweep(folder: str | Path, result: Sweep, figures: bool = True) -> dict
         from serpenoid.plot.family import Family
         from serpenoid.plot.figures import sweep_figures
 
-        sweep_figures(folder, Family(result.c, result.displacement, result.dissipation, result.gaits, result.names))
+        family = Family(result.c, result.displacement, result.dissipation, result.gaits, result.names)
+        sweep_figures(
+            folder, family, None if beside is None else (beside.name, beside.displacement, beside.dissipation)
+        )
     return summary
 
 

@@ -22,6 +22,7 @@ from serpenoid.measure.cells import Floats, clock, listed
 from serpenoid.measure.consistency.rivals import ODDS
 
 SHARE = 0.9  # of all mismatches are within s: of a body that rests half the time, those that move
+REFUTED = 0.5  # names that are there, which leave distances of neighbours so much less off, were not exchanged
 MOST_TOLD = 3  # parts of one recording, the longest
 TAIL = 1.5  # exponent of a Cauchy distribution in the plane
 Names = tuple[int, ...]
@@ -59,8 +60,18 @@ class Change:
 def exchanges(points: Floats, time_s: Floats, odds: float = ODDS) -> tuple[Exchange, ...]:
     """Parts of a recording (F, N, 2) in which points have other names than in most of it; odds: asked of a change."""
     changes = _certain(_changes(points, time_s), odds) if len(time_s) > 2 else []
-    if not changes:
-        return ()
+    while changes:
+        found = _parts(changes, points)
+        refuted = next((one for one in found if _refuted(one, points, found)), None)
+        if refuted is None:
+            return found
+        ends = [change for change in changes if change.frame in (refuted.first, refuted.last + 1)]
+        changes.remove(min(ends, key=lambda change: change.gain))
+    return ()
+
+
+def _parts(changes: Sequence[Change], points: Floats) -> tuple[Exchange, ...]:
+    """What the changes make of a recording."""
     starts = [0, *(change.frame for change in changes), len(points)]
     held: list[Names] = [tuple(range(points.shape[1]))]
     for change in changes:
@@ -74,6 +85,33 @@ def exchanges(points: Floats, time_s: Floats, odds: float = ODDS) -> tuple[Excha
         for i, (names, first, end) in enumerate(zip(held, starts[:-1], starts[1:], strict=True))
         if names != right
     )
+
+
+def _refuted(one: Exchange, points: Floats, found: Sequence[Exchange]) -> bool:
+    """Whether neighbours are clearly nearer to their usual distances with the names that are there: two points that
+    strayed to one place in turn, as to a reflection, went on as if exchanged, and came back each for itself."""
+    part = points[one.first : one.last + 1]
+    put = part.copy()
+    put[:, list(one.names)] = part
+    others = np.ones(len(points), bool)
+    for exchange in found:
+        others[exchange.first : exchange.last + 1] = False
+    usual = _middle(_apart(points[others]))
+    there, instead = (_middle(np.abs(_apart(named) - usual)) for named in (part, put))
+    known = np.isfinite(there) & np.isfinite(instead)
+    return bool(there[known].max(initial=0.0) < REFUTED * instead[known].max(initial=0.0))
+
+
+def _apart(points: Floats) -> Floats:
+    """Distances of neighbours (F, N - 1)."""
+    return np.asarray(np.linalg.norm(np.diff(points, axis=1), axis=2))
+
+
+def _middle(values: Floats) -> Floats:
+    """Medians of columns; NaN of those without a number."""
+    middle, ever = np.full(values.shape[1], np.nan), np.isfinite(values).any(axis=0)
+    middle[ever] = np.nanmedian(values[:, ever], axis=0)
+    return middle
 
 
 def named_as_in_most(points: Floats, time_s: Floats) -> tuple[Floats, tuple[Exchange, ...]]:
