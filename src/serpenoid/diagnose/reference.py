@@ -179,7 +179,8 @@ class Reference(Baseline):
         error, noise = self.explained[0].error(track)
         unknown = np.isnan(error)
         doubt = np.where(unknown, np.where(track.playing[:, None], self.usual, 0.0), noise)
-        return replace(track, offset=track.offset + np.where(unknown, 0.0, error), doubt=doubt)
+        offset = track.offset + np.where(unknown, 0.0, error)
+        return replace(track, offset=offset, doubt=doubt, recurs=unknown)  # what is known has the chance of one trial
 
     def otherwise(self, motion: Motion) -> tuple[tuple[Motion, Model, float], ...]:
         """The corrected tracks beside the rivals, where what the model missed repeated; weight: what the baseline

@@ -1,7 +1,8 @@
 """What windows add up to: paths, how far they stray, and how far chance makes them stray (the noise level F).
 
-F: RMS over a trial's path of the distance that the noise of windows, strung together, adds up to, or that repeats show;
-doubt about the baseline repeats in every cycle.
+F: RMS over a trial's path of the distance that the noise of windows, strung together, adds up to, or that repeats show.
+What a law gets wrong recurs in every cycle; what earlier trials showed in a window is as doubtful as their chance made
+it, in each cycle anew.
 """
 
 from __future__ import annotations
@@ -138,9 +139,12 @@ def _squares(motion: Motion, predictions: Sequence[Prediction]) -> tuple[Floats,
             chance[~track.playing] = np.broadcast_to(track.least, chance.shape)[~track.playing]
         window, phase = np.unique(track.phase, return_inverse=True)
         drawn = motion.noise.memory.draws(track, chance, rng, DRAWS)
-        doubt = rng.normal(size=(DRAWS, len(window), 3))[:, phase] * track.doubt  # the same in every cycle
-        alone[i] = _strayed(track, p, drawn)
-        whole[i] = _strayed(track, p, drawn + doubt) if np.any(track.doubt) else alone[i]
+        again = rng.normal(size=(DRAWS, len(window), 3))[:, phase]
+        alone[i] = whole[i] = _strayed(track, p, drawn)
+        if np.any(track.doubt):
+            unlike = motion.noise.memory.draws(track, chance, rng, DRAWS)
+            unlike = np.divide(unlike, chance, out=np.zeros_like(unlike), where=chance > 0)
+            whole[i] = _strayed(track, p, drawn + np.where(track.recurs, again, unlike) * track.doubt)
     return alone, whole
 
 

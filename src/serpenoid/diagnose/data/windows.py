@@ -32,7 +32,8 @@ from serpenoid.simulation.steps import elements_of_vertices
 @dataclass(frozen=True)
 class Track:
     """One trial on its (coarser) time mesh; offset (B - 1, 3): what a mesh without error would add
-    to a window's displacement; doubt (B - 1, 3): SD of what the baseline is known to get wrong there.
+    to a window's displacement; doubt (B - 1, 3): SD of what the baseline is known to get wrong there, and whether that
+    recurs in every cycle.
 
     time (R,), vertices (R, N, 2) in the body frame [m]; boundaries (B,): rows; measured (B, 3) poses there [m, rad],
     NaN in gaps; poses (R, 3): measured path at all rows, holes bridged; playing (B - 1,); frame_time (F,), frame_poses
@@ -55,6 +56,7 @@ class Track:
     lead: Lead | None = None  # how the body was moving before; None: it was at rest
     noise: Floats | None = None  # (B - 1, 3) SD of each window's residual, where it does not come from repeats
     doubt: Floats | float = 0.0
+    recurs: np.ndarray | bool = True
     least: Floats | float = 0.0  # (B - 1, 3) SD of a window's displacement that the markers' own noise makes
     strayed: Floats | float = 0.0  # (B - 1, 3) what `offset` is more for who runs free from the first pose
     coarse: float = 0.0  # share of the motion by which straight links between an animal's points are off
