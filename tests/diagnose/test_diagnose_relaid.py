@@ -67,7 +67,7 @@ def test_poses_at_window_ends_do_not_depend_on_the_mesh(tmp_path: Path, monkeypa
         )
 
     def made(finer: int) -> tuple[Track, ...]:
-        for name, value in (("COARSER", finer), ("STEPS_PER_WINDOW", 9 * finer), ("STEPS_PER_PAUSE", 8 * finer)):
+        for name, value in (("COARSER", finer), ("STEPS_PER_WINDOW", 9 * finer), ("LEAST_PER_HALF", 4 * finer)):
             monkeypatch.setattr(meshes, name, value)
         monkeypatch.setattr(tracks, "COARSER", finer)
         return tracks.make_tracks(recordings, Observation.neutral(recordings[0].body), model)

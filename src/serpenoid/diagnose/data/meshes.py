@@ -1,7 +1,11 @@
 """Time meshes of trials: rows at which shapes are asked for, and the boundaries of windows among them.
 
-A cycle is cut into windows, a pause into two, each into equal steps. Where a table's rows are held, servos jump and
-rest: between two rows that are due, steps are as long as is even in time t and in what joints bend by,
+A cycle is cut into windows, each into equal steps, and a pause into two. A body that coasts into a pause is slowed by
+drag: at first as quickly as while it played, and quadratic drag slows it by one share in steps that grow in proportion
+to the time since then. So steps of a pause begin with those of the cycle, and each is longer than the one before.
+
+Where a table's rows are held, servos jump and rest: between two rows that are due, steps are as long as is even in time
+t and in what joints bend by,
 
     s(t) = t / T + w(t) / w(T),   w(t) = int |q'| dt,
 
@@ -22,7 +26,8 @@ from serpenoid.measure.schedule import Schedule
 
 COARSER = 8  # fits take every eighth row; what that changes is known from the guiding model, and put back
 STEPS_PER_WINDOW = 9 * COARSER  # fits have 72 steps a cycle, which may be longer than momentum lasts
-STEPS_PER_PAUSE = 8 * COARSER
+LEAST_PER_HALF = 4 * COARSER  # steps of either half of a pause
+GROWTH = 1.2  # of a fit's step in a pause over the one before
 LEAST_PER_ROW = 2 * COARSER  # steps from a row that is due to the next
 BENDING = 64  # parts of such a stretch in which it is measured how joints bend
 
@@ -52,7 +57,7 @@ def _even(r: Recording) -> Mesh:
     """In equal steps."""
     s = r.schedule
     time, bounds, playing, cycle, phase, turns = [np.zeros(1)], [0], [], [], [], [0]
-    play, rest = WINDOWS_PER_CYCLE * STEPS_PER_WINDOW, STEPS_PER_PAUSE
+    play, resting = WINDOWS_PER_CYCLE * STEPS_PER_WINDOW, _resting(s)
     for n in range(s.cycles):
         start = n * s.period_s
         time.append(start + np.arange(1, play + 1) / play * s.cycle_duration_s)
@@ -62,8 +67,8 @@ def _even(r: Recording) -> Mesh:
         cycle += [n] * WINDOWS_PER_CYCLE
         turns.append(bounds[-1])
         if s.pause_s > 0:
-            time.append(start + s.cycle_duration_s + np.arange(1, rest + 1) / rest * s.pause_s)
-            bounds += [bounds[-1] + rest // 2, bounds[-1] + rest]
+            time += [start + s.cycle_duration_s + half for half in resting]
+            bounds += (bounds[-1] + np.cumsum([len(half) for half in resting])).tolist()
             playing += [False] * 2
             phase += [1.0] * 2
             cycle += [n] * 2
@@ -74,6 +79,20 @@ def _even(r: Recording) -> Mesh:
     breaks = np.array([*(b for b in turns if b < keep[-1]), keep[-1]])
     windows = np.array(playing)[cut], np.array(cycle)[cut], np.array(phase, dtype=float)[cut]
     return Mesh(rows[: keep[-1] + 1], keep, *windows, breaks)
+
+
+def _resting(s: Schedule) -> list[Floats]:
+    """Rows of both halves of a pause [s], since it began: a fit's steps grow from those of a cycle in geometric
+    progression, from the middle on from the next of these, as evenly as in the least number."""
+    half, first = s.pause_s / 2, s.cycle_duration_s / (WINDOWS_PER_CYCLE * STEPS_PER_WINDOW // COARSER)
+    halves, begin = [], first
+    for before in (0.0, half):
+        count = max(LEAST_PER_HALF // COARSER, int(np.ceil(np.log1p(half / begin * (GROWTH - 1)) / np.log(GROWTH))))
+        ratio = GROWTH if half > count * begin else 1.0
+        grown = np.cumsum(ratio ** np.repeat(np.arange(count), COARSER))
+        halves.append(before + grown / grown[-1] * half)
+        begin *= ratio**count
+    return halves
 
 
 def _jumps(s: Schedule, end: float) -> Floats:

@@ -105,7 +105,10 @@ class Track:
 
 
 def predicted_path(model: Model, vertices: Floats, time: Floats, start: Floats) -> Floats:
-    """Poses [m, rad] of a model, free running from a pose (3,), or from the last of its first poses (K + 1, 3)."""
+    """Poses [m, rad] of a model, free running from a pose (3,), or from the last of its first poses (K + 1, 3); of a
+    single shape the pose."""
+    if len(time) == 1:
+        return np.atleast_2d(start)
     scale = model.body.pose_units
     chains = body_frame(model, vertices / model.body.total_length_m)
     steps = solve_extended(model, elements_of_vertices(model, chains), time, start / scale)
