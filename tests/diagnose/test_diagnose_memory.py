@@ -221,3 +221,30 @@ def test_a_gust_in_every_second_trial_is_no_chance_that_lasts() -> None:
         motion, predictions = campaign(seed, 0.0, cycles=2, gust=0.03)
         words = pattern(motion, predictions, path_error(motion, predictions))
         assert any("single trials were pushed" in w for w in words)
+
+
+def beside(earlier: Motion, later: Motion, recurs: bool) -> tuple[Motion, list[Any]]:
+    """The later trials beside what the earlier ones were off by in the same windows, whose noise is doubt."""
+    tracks, predictions = [], []
+    for i, track in enumerate(later.tracks):
+        same = earlier.tracks[i // 2 * 2 : i // 2 * 2 + 2]
+        shown = np.mean([t.displacement for t in same], axis=0)
+        predictions.append(SimpleNamespace(displacement=shown))
+        doubt = earlier.noise.chance(same[0]) / np.sqrt(len(same))
+        tracks.append(SimpleNamespace(**{**vars(track), "doubt": doubt, "recurs": recurs}))
+    return replace(later, tracks=tuple(tracks)), predictions
+
+
+@pytest.mark.parametrize("time", [0.0, 1.0])
+def test_paths_beside_those_of_earlier_trials_stray_by_the_noise_of_both(time: float) -> None:
+    """What was seen in a window of an earlier trial had its own chance in each cycle: as if it recurred in every cycle,
+    it would add up to a noise level that hides changes."""
+    ratios: dict[bool, list[float]] = {True: [], False: []}
+    for seed in range(8):
+        earlier, later = campaign(seed, time)[0], campaign(100 + seed, time)[0]
+        for recurs, found in ratios.items():
+            motion, predictions = beside(earlier, later, recurs)
+            level = path_noise(motion, predictions, [t.displacement - STEP for t in motion.tracks]).level_m
+            found.append(path_error(motion, predictions) / level)
+    assert np.median(ratios[False]) == pytest.approx(1, abs=0.2)
+    assert np.median(ratios[True]) < 0.8 or time > 0  # pushes that last add up within a cycle, too
