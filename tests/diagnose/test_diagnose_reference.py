@@ -31,7 +31,7 @@ from serpenoid.diagnose.inference.select import Selection
 from serpenoid.diagnose.reference import Reference, about, as_taken, in_other_cycles, reference_of
 from serpenoid.diagnose.stages import choose_motion
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.choose_actuation import beside_a_larger, choose_actuation
 from serpenoid.diagnose.stages.choose_motion import GUESS
 from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.diagnose.stages.plays import Plays
@@ -369,3 +369,14 @@ def test_a_name_beside_which_a_third_of_its_own_trace_remains_is_marked(
     monkeypatch.setattr(choose_motion, "path_error", lambda motion, predictions: predictions)
     names = choose_motion.mending(found, [Named(load, {}, 4.0), Named(toe, {}, 70.0)], 90.0, 9.5)
     assert [n.stand_in for n in names] == [marked, False]
+
+
+def test_a_law_of_all_servos_beside_a_larger_change_may_be_what_loads_make_of_a_law_that_is_wrong() -> None:
+    loss = Named(ActiveEffect.of("gain_loss", 2, loss=0.25), {"loss": (0.2, 0.3)}, 4.0)
+    lag = Named(ActiveEffect.of("servo_lag", lag=0.015), {"lag": (0.008, 0.023)}, 1.4)
+    known, wrong = (cast(Plays, SimpleNamespace(noise=np.full(6, 1e-3), unsure=u)) for u in (0.0, np.full(6, 0.06)))
+    assert [n.stand_in for n in beside_a_larger(wrong, [loss, lag])] == [False, True]
+    assert [n.stand_in for n in beside_a_larger(wrong, [lag])] == [False]  # it is the change
+    assert [n.stand_in for n in beside_a_larger(known, [loss, lag])] == [False, False]
+    other = Named(ActiveEffect.of("gain_loss", 5, loss=0.1), {"loss": (0.05, 0.15)}, 2.0)  # at a joint of its own
+    assert [n.stand_in for n in beside_a_larger(wrong, [loss, other])] == [False, False]

@@ -90,7 +90,7 @@ def _chosen(data: Plays) -> tuple[Stage, Played]:
     best, refused = lawful(best, lambda found: list(found.effects), _law_error, _without)
     squares = data.structure(best.angles)
     worst, left = int(squares.argmax()), float(np.sqrt(1 + squares.max()))
-    every = [_named(best, e) for e in best.effects]
+    every = beside_a_larger(data, [_named(best, e) for e in best.effects])
     misses = squares[worst] > VISIBLE**2
     doubted = misses or any(n.stand_in for n in every)
     by_trial = _by_trial(best, earlier) if doubted else None
@@ -105,6 +105,15 @@ def _chosen(data: Plays) -> tuple[Stage, Played]:
     undetected = tuple(n for n in every if n not in named)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
     return Stage("actuation", named, rivals, undetected, left, words, divided=divided), best
+
+
+def beside_a_larger(data: Plays, every: Sequence[Named]) -> list[Named]:
+    """Names; with a reference in which a law of servos missed more than noise, one of all servos beside a larger change
+    is perhaps a stand-in: a body that moves otherwise loads all of them otherwise, and what the law missed of that is
+    no news."""
+    wrong = bool(np.median(data.unsure / data.noise) > VISIBLE)
+    most = max((n.strength for n in every), default=0.0)
+    return [replace(n, stand_in=n.stand_in or (wrong and n.effect.place is None and n.strength < most)) for n in every]
 
 
 def _by_trial(best: Played, earlier: Played) -> ByTrial | None:
