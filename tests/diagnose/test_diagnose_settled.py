@@ -65,10 +65,10 @@ def test_a_body_that_coasts_is_fitted_on_tracks_about_itself(tmp_path: Path) -> 
     assert found.away_from(found.model) == 0
     assert found.away_from(about) > 10  # what the model lacks is neutral there
     assert found.away_from(last.model) > 10  # standard deviations: what a massless mesh puts back is another error
-    assert once.away_from(last.model) > 1
+    assert once.away_from(last.model) < found.away_from(last.model) / 10  # pauses have steps as short as cycles
     assert further.away_from(last.model) < 1
     (value,) = last.effects[0].parameters.values()
-    assert value == pytest.approx(0.1, rel=0.015)  # 2.5 standard deviations; made anew once: 0.0977
+    assert value == pytest.approx(0.1, rel=0.015)  # 2.5 standard deviations
 
 
 def test_what_drag_alone_does_needs_no_further_tracks(tmp_path: Path) -> None:

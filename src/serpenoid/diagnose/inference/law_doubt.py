@@ -71,11 +71,11 @@ class Doubted:
     @property
     def ends(self) -> tuple[float, float]:
         """Of the 95 % interval, beside every explanation; without `resting` if all say that it is not that."""
-        away = self.value - self.resting
-        near, far = (1 - NORMAL / self.away) * away if self.away > NORMAL else 0.0, NORMAL * self.deviation
-        low, high = away - far, away + far
-        if self.away > NORMAL:
-            low, high = (max(low, near), high) if away > 0 else (low, min(high, near))
+        away, half = self.value - self.resting, NORMAL * self.deviation
+        low, high = away - half, away + half
+        if self.away > NORMAL and low * high < 0:
+            near = (1 - NORMAL / self.away) * away
+            low, high = (near, high) if away > 0 else (low, near)
         every = self.resting + np.outer([self.least, self.most], [low, high])
         return float(every.min()), float(every.max())
 
