@@ -130,9 +130,6 @@ SLOPE = Effect("slope", None, {"pull_x": 0.008, "pull_y": 0.005})
 
 
 @pytest.mark.slow  # the search of the earlier campaign, which nothing in the catalogue explains
-@pytest.mark.xfail(
-    reason="of two gaits the slope, 87 % of what is left, is not named: explanations of the law disagree"
-)
 def test_a_change_is_named_though_the_catalogue_does_not_hold_the_law_of_the_floor(tmp_path: Path) -> None:
     few = COMBINATIONS[:2]
     write(make(62, [], "then", few, base=[GRIP]), tmp_path / "then")
