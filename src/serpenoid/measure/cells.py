@@ -156,23 +156,30 @@ def block(
         found[row - first] = numbers or [number(rows, row, c, path, n) for c, n in cell]
     for row, column in np.argwhere(np.abs(found) > LARGEST)[:1].tolist():
         number(rows, first + row, columns[column], path, names[column])  # names the cell
+    data = rows[first:]
     for column, values, name in zip(columns, found.T, names, strict=True):
-        _refuse_thousands([row[column].strip() for row in rows[first:]], values, place(path, first, column, name))
+        _refuse_thousands((row[column].strip() for row in data), values, place(path, first, column, name))
     return found
 
 
-def _refuse_thousands(cells: Sequence[str], values: Floats, where: str) -> None:
+def _refuse_thousands(cells: Iterable[str], values: Floats, where: str) -> None:
     """Refuse a column whose marks divide thousands (998, 1.002): every number with a mark has three digits behind it
-    and none before it is zero, others have none, and as thousands they run on far more evenly."""
-    marked = np.array(["." in cell for cell in cells])
-    if not marked.any() or not all(GROUPED.fullmatch(cell) for cell in compress(cells, marked)):
+    and none before it is zero, others have none, and as thousands they run on far more evenly. Of most columns the
+    first cell says that they do not."""
+    every = []
+    for cell in cells:
+        if "." in cell and not GROUPED.fullmatch(cell):
+            return
+        every.append(cell)
+    marked = np.array(["." in cell for cell in every])
+    if not marked.any():
         return
     whole = ~marked & np.isfinite(values) & (values != 0)
     if whole.any() and np.abs(values[whole]).max() < 1000:
         seen = np.isfinite(values)
         as_thousands = np.where(marked, 1000 * values, values)
         if _unevenness(as_thousands[seen]) < UNEVEN * _unevenness(values[seen]):
-            example = next(compress(cells, marked))
+            example = next(compress(every, marked))
             raise InputError(
                 f"{where}: `{example}` and whole numbers below 1000 in one column: do marks divide thousands there, as "
                 "spreadsheets write them? Save numbers without marks between thousands."

@@ -54,7 +54,7 @@ def mesh_of(r: Recording) -> Mesh:
 
 
 def _even(r: Recording) -> Mesh:
-    """In equal steps."""
+    """In equal steps while playing, and steps that grow in pauses."""
     s = r.schedule
     time, bounds, playing, cycle, phase, turns = [np.zeros(1)], [0], [], [], [], [0]
     play, resting = WINDOWS_PER_CYCLE * STEPS_PER_WINDOW, _resting(s)
@@ -82,8 +82,9 @@ def _even(r: Recording) -> Mesh:
 
 
 def _resting(s: Schedule) -> list[Floats]:
-    """Rows of both halves of a pause [s], since it began: a fit's steps grow from those of a cycle in geometric
-    progression, from the middle on from the next of these, as evenly as in the least number."""
+    """Rows of both halves of a pause [s], since it began: a fit's first step is as long as in a cycle, and each is
+    GROWTH times the one before, in the second half, too. A half has LEAST_PER_HALF rows or more; where as many steps
+    need not grow, they are equal."""
     half, first = s.pause_s / 2, s.cycle_duration_s / (WINDOWS_PER_CYCLE * STEPS_PER_WINDOW // COARSER)
     halves, begin = [], first
     for before in (0.0, half):

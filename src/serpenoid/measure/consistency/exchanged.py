@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.special import gammaln
 
 from serpenoid.measure.cells import Floats, clock, listed
+from serpenoid.measure.consistency.layout import middles
 from serpenoid.measure.consistency.rivals import ODDS
 
 SHARE = 0.9  # of all mismatches are within s: of a body that rests half the time, those that move
@@ -96,8 +97,8 @@ def _refuted(one: Exchange, points: Floats, found: Sequence[Exchange]) -> bool:
     others = np.ones(len(points), bool)
     for exchange in found:
         others[exchange.first : exchange.last + 1] = False
-    usual = _middle(_apart(points[others]))
-    there, instead = (_middle(np.abs(_apart(named) - usual)) for named in (part, put))
+    usual = middles(_apart(points[others]))
+    there, instead = (middles(np.abs(_apart(named) - usual)) for named in (part, put))
     known = np.isfinite(there) & np.isfinite(instead)
     return bool(there[known].max(initial=0.0) < REFUTED * instead[known].max(initial=0.0))
 
@@ -105,13 +106,6 @@ def _refuted(one: Exchange, points: Floats, found: Sequence[Exchange]) -> bool:
 def _apart(points: Floats) -> Floats:
     """Distances of neighbours (F, N - 1)."""
     return np.asarray(np.linalg.norm(np.diff(points, axis=1), axis=2))
-
-
-def _middle(values: Floats) -> Floats:
-    """Medians of columns; NaN of those without a number."""
-    middle, ever = np.full(values.shape[1], np.nan), np.isfinite(values).any(axis=0)
-    middle[ever] = np.nanmedian(values[:, ever], axis=0)
-    return middle
 
 
 def named_as_in_most(points: Floats, time_s: Floats) -> tuple[Floats, tuple[Exchange, ...]]:

@@ -14,7 +14,7 @@ import numpy as np
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.hypotheses import rounded
-from serpenoid.measure.consistency.layout import PLACED, Layout, beside, evidence, flatness, layout
+from serpenoid.measure.consistency.layout import PLACED, Layout, beside, evidence, flatness, layout, middles
 from serpenoid.measure.consistency.reach import Reach
 from serpenoid.measure.tracks import floor_plane
 
@@ -135,9 +135,8 @@ def _lengths(plan: Layout, names: Sequence[str], base: float) -> list[MarkerFaul
         return []
     order = range(plan.points.shape[1])
     distances = plan.neighbours
-    ever = np.asarray(np.isfinite(distances).any(axis=0))  # neighbours that are never seen together say nothing
-    measured = np.full(len(ever), np.nan)
-    measured[ever] = np.nanmedian(distances[:, ever], axis=0)
+    measured = middles(distances)
+    ever = np.isfinite(measured)  # neighbours that are never seen together say nothing
     together = np.flatnonzero(ever & ~(measured > NO_UNIT * plan.reach.high))
     if len(together):
         words = f"have `{names[together[0]]}` and `{names[together[0] + 1]}` in one place"

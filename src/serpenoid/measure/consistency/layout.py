@@ -51,6 +51,13 @@ class Layout:
         return np.diagonal(self.distance, 1, axis1=1, axis2=2)
 
 
+def middles(values: Floats) -> Floats:
+    """Medians of columns; NaN of those without a number."""
+    middle, ever = np.full(values.shape[1], np.nan), np.isfinite(values).any(axis=0)
+    middle[ever] = np.nanmedian(values[:, ever], axis=0)
+    return middle
+
+
 def layout(points: Floats, reach: Reach | None) -> Layout:
     """Of markers (F, N, 2) in the unit of `reach`."""
     seen = np.isfinite(points[..., 0]).sum(axis=1) >= min(3, points.shape[1])
