@@ -1,29 +1,29 @@
-"""A robot for the tests: emulated servos in a thread, `serpenoid` as a real subprocess."""
+"""A robot for the tests: emulated servos in a process of their own, `serpenoid` in another."""
 
 from __future__ import annotations
 
 import csv
 import os
+import pickle
 import signal
 import subprocess
 import sys
-import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import servo_process
+from servo_process import HeardChain
 
 from serpenoid.files.schema import load
 from serpenoid.robot.description import Robot
-from serpenoid.robot.emulator.chain import Chain
 from serpenoid.robot.emulator.faults import parse_fault
-from serpenoid.robot.emulator.server import PtyServer
 from serpenoid.robot.emulator.servo import EmulatedServo
 from serpenoid.robot.models import DEFAULT, ServoModel, models
 from serpenoid.robot.table import write_table
-from serpenoid.robot.timing import older_objects_left_alone
 
 ROOT = Path(__file__).parents[2]
 ROBOT_FILE = ROOT / "problems" / "robots" / "snake10-robot.toml"
@@ -46,28 +46,44 @@ def write_gait(folder: Path, **shape: float) -> Path:
     return folder / "gait.csv"
 
 
-def make_chain(faults: Sequence[str] = (), baud_rate: int = 1000000, position: float = 2048.0) -> Chain:
+def make_chain(faults: Sequence[str] = (), baud_rate: int = 1000000, position: float = 2048.0) -> HeardChain:
     return make_chain_of([XL430] * 10, faults, baud_rate, position)
 
 
 def make_chain_of(
     kinds: Sequence[ServoModel], faults: Sequence[str] = (), baud_rate: int = 1000000, position: float = 2048.0
-) -> Chain:
+) -> HeardChain:
     """Servos of any models with IDs 1, 2, ..."""
     codes = [{rate: code for code, rate in kind.baud_rates.items()}[baud_rate] for kind in kinds]
     servos = [
         EmulatedServo(kind, i, code, position) for i, (kind, code) in enumerate(zip(kinds, codes, strict=True), 1)
     ]
-    return Chain(servos, baud_rate, [parse_fault(text) for text in faults])
+    return HeardChain(servos, baud_rate, [parse_fault(text) for text in faults])
 
 
 class Emulator:
-    def __init__(self, chain: Chain, server: PtyServer) -> None:
-        self.chain, self.server = chain, server
+    """The asking end of `servo_process`."""
+
+    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+        self._process = process
+        self.port: str = self._answer()
+
+    def _answer(self) -> Any:
+        assert self._process.stdout is not None
+        return pickle.load(self._process.stdout)
+
+    def do(self, what: Callable[..., Any], *words: object) -> Any:
+        """`what(chain, *words)`, a function of `servo_process`, where the servos are."""
+        assert self._process.stdin is not None
+        pickle.dump((what, words), self._process.stdin)
+        self._process.stdin.flush()
+        return self._answer()
 
     @property
-    def port(self) -> str:
-        return self.server.port
+    def chain(self) -> HeardChain:
+        """A copy of the servos as they are now: to look at."""
+        chain: HeardChain = self.do(servo_process.itself)
+        return chain
 
     @property
     def torques(self) -> list[bool]:
@@ -87,19 +103,16 @@ def emulator(folder: Path, *faults: str, baud_rate: int = 1000000) -> Iterator[E
 
 
 @contextmanager
-def serving(chain: Chain, folder: Path, baud_rate: int = 1000000) -> Iterator[Emulator]:
+def serving(chain: HeardChain, folder: Path, baud_rate: int = 1000000) -> Iterator[Emulator]:
     """The same with servos of one's own."""
-    server = PtyServer(chain, baud_rate, folder / "port")
-    finished = threading.Event()
-    thread = threading.Thread(target=server.serve, args=(finished.is_set,))
-    with older_objects_left_alone():  # a process that has run a thousand tests holds millions
-        thread.start()
-        try:
-            yield Emulator(chain, server)
-        finally:
-            finished.set()
-            thread.join()
-            server.close()
+    words = [sys.executable, servo_process.__file__]
+    with subprocess.Popen(words, env=environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        assert process.stdin is not None
+        pickle.dump((chain, baud_rate, folder / "port"), process.stdin)
+        process.stdin.flush()
+        yield Emulator(process)
+        process.stdin.close()
+        assert process.wait(timeout=10) == 0
 
 
 def command(*words: object) -> list[str]:

@@ -16,6 +16,7 @@ import tty
 import numpy as np
 import pytest
 import serial
+import servo_process
 from emulated import (
     ROBOT_FILE,
     command,
@@ -334,19 +335,18 @@ def test_dry_run_prints_every_row_and_opens_no_port(tmp_path):
 def test_missing_servo_wrong_voltage_and_far_start_are_refused_before_anything_moves(tmp_path):
     with emulator(tmp_path) as rig:
         words = play_words(write_gait(tmp_path), rig.port, tmp_path / "log")
-        rig.chain.servos[6].supply_voltage = 9.2
+        rig.do(servo_process.supply, 6, 9.2)
         done = serpenoid(*words)
         assert done.returncode == 1
         assert "joint_7 (ID 7), before step 0: input voltage 9.2 V" in done.stderr
-        rig.chain.servos[6].supply_voltage = 11.8
-        rig.chain.servos[2].motion.position = 3600.0
+        rig.do(servo_process.supply, 6, 11.8)
+        rig.do(servo_process.turn, 2, 3600.0)
         done = serpenoid(*words, "--log", tmp_path / "log2")
         assert "joint_3 (ID 3), step 0: the servo stands at 3600 ticks" in done.stderr
-        lost = rig.chain.servos.pop(4)
+        rig.do(servo_process.take_out, 4)
         done = serpenoid(*words, "--log", tmp_path / "log3")
         assert "joint_5 (ID 5), before step 0: servo 5: no answer" in done.stderr
         assert not any(rig.torques)
-        assert not lost.torque
 
 
 def test_emulate_command_end_to_end(tmp_path):

@@ -12,6 +12,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import servo_process
 from emulated import (
     ROBOT_FILE,
     command,
@@ -162,8 +163,7 @@ def test_rows_stay_in_order_when_the_clock_is_slowed_down():
 
 
 def narrow(rig, joint: int, **limits: int) -> None:
-    for name, value in limits.items():
-        rig.chain.servos[joint].table[name] = value
+    rig.do(servo_process.remember, joint, limits)
 
 
 def test_narrower_limits_in_a_servos_own_memory_hold_and_are_named(tmp_path):
@@ -203,11 +203,11 @@ def test_check_on_the_bus_knows_a_servos_own_limits(tmp_path):
 
 def test_a_refused_trial_leaves_its_folder_free_for_the_next_attempt(tmp_path):
     with emulator(tmp_path) as rig:
-        rig.chain.servos[6].supply_voltage = 9.2
+        rig.do(servo_process.supply, 6, 9.2)
         assert "input voltage 9.2 V" in play(tmp_path, rig, cycles=1).stderr
         assert not (tmp_path / "log" / "servo.csv").exists()
         assert summary(tmp_path)["status"] == "failed"
-        rig.chain.servos[6].supply_voltage = 11.8
+        rig.do(servo_process.supply, 6, 11.8)
         done = play(tmp_path, rig, cycles=1)
     assert done.returncode == 0, done.stderr
     assert summary(tmp_path)["status"] == "done"
@@ -215,7 +215,7 @@ def test_a_refused_trial_leaves_its_folder_free_for_the_next_attempt(tmp_path):
 
 def test_messages_keep_their_dots(tmp_path):
     with emulator(tmp_path) as rig:
-        rig.chain.servos[6].supply_voltage = 9.2
+        rig.do(servo_process.supply, 6, 9.2)
         refused = play(tmp_path, rig, cycles=1).stderr
     assert "the window is 9.9..12.6 V. Charge the battery." in refused
     assert "battery..\n" not in refused

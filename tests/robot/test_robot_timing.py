@@ -1,9 +1,12 @@
 """What holds a playing program up."""
 
 import gc
+import os
 import weakref
 
-from serpenoid.robot.timing import older_objects_left_alone
+import pytest
+
+from serpenoid.robot.timing import before_other_programs, older_objects_left_alone
 
 
 class Loop:
@@ -34,3 +37,21 @@ def test_what_was_set_aside_before_stays_so():
         assert gc.get_freeze_count() > 0
     finally:
         gc.unfreeze()
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setscheduler"), reason="this system has no such policies")
+@pytest.mark.parametrize("may", [True, False])
+def test_a_bus_has_its_turn_first_where_the_system_lets_it_and_afterwards_as_before(monkeypatch, may):
+    now = [(os.SCHED_OTHER, 0)]
+
+    def set_policy(process: int, policy: int, param: os.sched_param) -> None:
+        if policy != os.SCHED_OTHER and not may:
+            raise PermissionError("Operation not permitted")
+        now[0] = (policy, param.sched_priority)
+
+    monkeypatch.setattr(os, "sched_getscheduler", lambda process: now[0][0])
+    monkeypatch.setattr(os, "sched_getparam", lambda process: os.sched_param(now[0][1]))
+    monkeypatch.setattr(os, "sched_setscheduler", set_policy)
+    with before_other_programs():
+        assert now == [(os.SCHED_RR, 1) if may else (os.SCHED_OTHER, 0)]
+    assert now == [(os.SCHED_OTHER, 0)]

@@ -40,21 +40,16 @@ def recorded_play(folder: Path) -> tuple[list[str], list[str]]:
     """Packets in hexadecimal: those that are sent once, in order, and those that are repeated as time allows."""
     (folder / "two.toml").write_text(ROBOT)
     write_table(folder / "gait.csv", gait(joints=2))
-    sent: list[str] = []
-    parser = packets.Parser()
     with emulator(folder) as rig:
-        receive = rig.chain.receive
-
-        def tapped(data: bytes, now: float):
-            for packet in parser.feed(data):
-                whole = packets.build(packet.id, packet.instruction, packet.parameters).hex()
-                sent.extend([whole] if sent[-1:] != [whole] else [])  # asked again: the computer was busy
-            return receive(data, now)
-
-        rig.chain.receive = tapped
         words = play_words(folder / "gait.csv", rig.port, folder / "log", cycles=2)
         words[words.index("--robot") + 1] = folder / "two.toml"
         done = serpenoid(*words)
+        heard = rig.chain.heard
     assert done.returncode == 0, done.stderr
+    sent: list[str] = []
+    parser = packets.Parser()
+    for packet in (packet for data in heard for packet in parser.feed(data)):
+        whole = packets.build(packet.id, packet.instruction, packet.parameters).hex()
+        sent.extend([whole] if sent[-1:] != [whole] else [])  # asked again: the computer was busy
     repeated = {raw for raw in sent if raw[14:16] == "82" or (raw[14:16] == "02" and raw[16:24] == "40002300")}
     return [raw for raw in sent if raw not in repeated], sorted(repeated)

@@ -30,6 +30,7 @@ from serpenoid.robot.emulator.faults import KINDS, Fault, parse_fault
 from serpenoid.robot.emulator.server import PtyServer
 from serpenoid.robot.emulator.servo import EmulatedServo
 from serpenoid.robot.models import DEFAULT, ServoModel, models
+from serpenoid.robot.timing import before_other_programs
 from serpenoid.wording import counted
 
 if TYPE_CHECKING:
@@ -76,7 +77,8 @@ def run(args: argparse.Namespace) -> int:
     names = ", ".join(dict.fromkeys(servo.model.name for servo in servos))
     emulated = f"{counted(len(servos), 'emulated servo')} ({names})"
     sys.stderr.write(f"{emulated} at {baud_rate} baud on {server.port}; Ctrl-C ends\n")
-    server.serve(lambda: bool(stopping))
+    with before_other_programs():
+        server.serve(lambda: bool(stopping))
     report = server.report()
     server.close()
     if ground is not None:

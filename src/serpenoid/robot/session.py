@@ -20,7 +20,7 @@ from serpenoid.robot.power import PowerRecorder
 from serpenoid.robot.stop import StopWatcher
 from serpenoid.robot.table import write_table
 from serpenoid.robot.ticks import to_radians
-from serpenoid.robot.timing import older_objects_left_alone
+from serpenoid.robot.timing import before_other_programs, older_objects_left_alone
 
 UNFINISHED = "how it ended was not written: the process was killed, or the disk was full"
 RECONNECT_S = 3.0  # how long a lost port is waited for, to switch the torque off after all
@@ -56,6 +56,7 @@ def play_trial(port: str, plan: Plan, files: TrialFiles, progress: Progress) -> 
     with ExitStack() as stack:
         stack.enter_context(exclusive_port(port))
         stack.enter_context(older_objects_left_alone())
+        stack.enter_context(before_other_programs())
         log = stack.enter_context(ServoLog(files.folder, plan.robot))
         log.check_room(plan.most_readings)
         recorders: list[ServoLog | PowerRecorder] = [log]
