@@ -1,4 +1,5 @@
-"""Names of both signs beside a number of the law at its limit: stand-ins for another law, and nothing is explained."""
+"""Names of both signs beside a number of the law at its limit, or at the two ends: stand-ins for another law, and
+nothing is explained."""
 
 from __future__ import annotations
 
@@ -18,6 +19,7 @@ from serpenoid.medium import Medium
 from serpenoid.wording import OTHER_LAW
 
 MEDIUM = Medium(anisotropy_ratio=0.4)
+VERTICES = 12
 WITHIN, TO_ONE = (0.38, 0.42), (0.92, 1.0)
 
 
@@ -44,23 +46,29 @@ DRY = power(0.0, 0.01, 0.04)
         ((load(1, 0.03), load(5, 0.04), DRY), TO_ONE, False),  # two loads
         ((load(1, -0.03), DRY), TO_ONE, False),
         ((DRY,), TO_ONE, False),
+        ((load(0, 0.012), load(11, -0.014)), WITHIN, True),  # contacts that stand behind the joints do as much
+        ((load(0, 0.012), load(11, 0.014)), WITHIN, False),  # two heavy ends
+        ((load(0, 0.012), load(10, -0.014)), WITHIN, False),
+        ((load(0, 0.012), load(5, 0.03), load(11, -0.014)), WITHIN, False),  # modules of other weights
     ],
 )
-def test_both_signs_and_a_limit_are_needed(named: tuple[Named, ...], ratio: tuple[float, float], said: bool) -> None:
-    why = of_another_law(MEDIUM, named, ratio)
+def test_both_signs_and_a_limit_or_the_two_ends_are_needed(
+    named: tuple[Named, ...], ratio: tuple[float, float], said: bool
+) -> None:
+    why = of_another_law(MEDIUM, VERTICES, named, ratio)
     assert bool(why) == said
     assert not said or why.endswith(OTHER_LAW)
 
 
 def test_limits_are_those_that_the_medium_states() -> None:
     bounded = Medium(anisotropy_ratio=0.4, anisotropy_ratio_bounds=(0.3, 0.42))
-    assert "the anisotropy ratio" in of_another_law(bounded, BOTH, WITHIN)
+    assert "the anisotropy ratio" in of_another_law(bounded, VERTICES, BOTH, WITHIN)
 
 
 def test_such_names_are_stand_ins_and_explain_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(choose_motion, "ratio_interval", lambda found, stage: TO_ONE)
     found = SimpleNamespace(motion=SimpleNamespace(ratio=None), settled=SimpleNamespace(model=SimpleNamespace()))
-    found.settled.model.medium = MEDIUM
+    found.settled.model.medium, found.settled.model.body = MEDIUM, SimpleNamespace(vertices=VERTICES)
     stage = Stage("motion", BOTH)
     assert verdict([stage]) == "explained"
     marked = another_law(found, stage)  # type: ignore[arg-type]
@@ -74,7 +82,7 @@ def test_such_names_are_stand_ins_and_explain_nothing(monkeypatch: pytest.Monkey
 
 
 def test_it_is_said_why_they_are_in_doubt() -> None:
-    why = f"motion: {of_another_law(MEDIUM, BOTH, TO_ONE)}"
+    why = f"motion: {of_another_law(MEDIUM, VERTICES, BOTH, TO_ONE)}"
     effects = [{"name": "load", "place": 1, "site": "medium", "stand_in": True}]
     record = {"effects": effects, "discrepancy_m": 0, "residual_pattern": [why], "verdict": "partly explained"}
     assert "at some places what they give at others" in inadequacy(record)[0]

@@ -1,9 +1,16 @@
-"""What another law looks like: names that take at some places what they give at others, and a number at its limit.
+"""What another law looks like: names that take at some places what they give at others, and a number at its limit, or
+the two ends of the body as these places.
 
 A cause at a place acts there. What mends a law acts wherever the law errs, here one way and there the other. Loads of
-both signs may be there all the same, and fit a law that is right. So two witnesses are needed: one name at several
-places to either side of what changes nothing, and a number of the law, eps or one of a name that makes another law of
-it, that data do not keep from its limit: the law reaches no farther, so others are fitted to what it lacks.
+both signs may be there all the same, and fit a law that is right. So a second witness is needed beside one name at
+several places to either side of what changes nothing. Either a number of the law, eps or one of a name that makes
+another law of it, that data do not keep from its limit: the law reaches no farther, so others are fitted to what it
+lacks. Or places that are the body's two ends and no others: a law that shifts every vertex's force F_i along the body
+by the same share d gives
+
+    sum_i d (F_(i+1) - F_i) = d (F_N - F_1)
+
+so all between the ends cancels, and as much is given at one as is taken at the other.
 """
 
 from __future__ import annotations
@@ -17,24 +24,30 @@ from serpenoid.medium import Medium
 from serpenoid.wording import OTHER_LAW, listed
 
 
-def of_another_law(medium: Medium, named: Sequence[Named], ratio: tuple[float, float]) -> str:
+def of_another_law(medium: Medium, vertices: int, named: Sequence[Named], ratio: tuple[float, float]) -> str:
     """Why names of the motion may stand for another law, in words; empty: they need not. ratio: 95 % of eps."""
     sides, limits = _to_either_side(named), _at_limits(medium, named, ratio)
-    if not sides or not limits:
-        return ""
-    return f"{listed(sides)} of both signs, beside {listed(limits)} that may be at its limit, {OTHER_LAW}"
+    if sides and limits:
+        return f"{listed([*sides])} of both signs, beside {listed(limits)} that may be at its limit, {OTHER_LAW}"
+    ends = [name for name, places in sides.items() if places == {0, vertices - 1}]
+    if ends:
+        return (
+            f"{listed(ends)} at both ends of the body and nowhere else, more at one and less at the other, {OTHER_LAW}"
+        )
+    return ""
 
 
-def _to_either_side(named: Sequence[Named]) -> list[str]:
-    """Names at several places of the body, at some to one side of what changes nothing and at some to the other."""
-    sides: dict[tuple[str, int], set[bool]] = {}
+def _to_either_side(named: Sequence[Named]) -> dict[str, set[int]]:
+    """Names at several places of the body, at some to one side of what changes nothing and at some to the other; and
+    these places."""
+    sides: dict[tuple[str, int], dict[int, bool]] = {}
     for e in (n.effect for n in named):
         if e.place is None or e.effect.site != "medium":
             continue
         for i, (x, p) in enumerate(zip(e.coordinates, e.effect.parameters, strict=False)):
             if p.neutral is not None:
-                sides.setdefault((e.name, i), set()).add(bool(x > p.resting))
-    return sorted({name for (name, _), found in sides.items() if len(found) > 1})
+                sides.setdefault((e.name, i), {})[e.place] = bool(x > p.resting)
+    return {name: {*found} for (name, _), found in sorted(sides.items()) if len({*found.values()}) > 1}
 
 
 def _at_limits(medium: Medium, named: Sequence[Named], ratio: tuple[float, float]) -> list[str]:

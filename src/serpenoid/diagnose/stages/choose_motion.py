@@ -279,7 +279,8 @@ def another_law(found: Selection, stage: Stage) -> Stage:
     reference eps is given, and names are changes."""
     if found.motion.ratio is not None or not any(n.effect.effect.moves and not n.stand_in for n in stage.named):
         return stage
-    why = of_another_law(found.settled.model.medium, stage.named, ratio_interval(found, stage))
+    model = found.settled.model
+    why = of_another_law(model.medium, model.body.vertices, stage.named, ratio_interval(found, stage))
     if not why:
         return stage
     named = tuple(replace(n, stand_in=n.stand_in or n.effect.effect.moves) for n in stage.named)
