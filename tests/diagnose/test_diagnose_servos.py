@@ -620,6 +620,15 @@ def test_a_fit_must_pay_for_its_parameters_and_its_rivals() -> None:
     assert cheapest(base, [], 50) is None
 
 
+def test_of_sets_of_as_many_numbers_that_of_fewer_names_is_the_likelier_one() -> None:
+    one_law, name = Priced(100.0, 2, 100.0), 2 * np.log(24)  # one of 24 candidates
+    two_laws = Priced(100.0 - name + 0.1, 2, 100.0)
+    assert cheapest(one_law, [two_laws], 1) == 0
+    assert cheapest(one_law, [two_laws], 1, [name]) is None
+    assert cheapest(two_laws, [one_law], 1) is None
+    assert cheapest(two_laws, [one_law], 1, [-name]) == 0
+
+
 def test_noise_blurs_what_rounding_does_to_the_mean_of_readings_at_rest() -> None:
     ticks, at = np.arange(-8, 9), np.linspace(-0.5, 0.5, 40, endpoint=False)
     for noise in (0.2, 0.4, 0.6):  # of a tick

@@ -61,11 +61,13 @@ def most_gained(parameters: int, tries: int) -> float:
     return float(chdtri(parameters, ERROR / max(tries, 1)))
 
 
-def cheapest(base: Priced, fits: Sequence[Priced], tries: int) -> int | None:
-    """Index of the best fit, None if the base is as good."""
+def cheapest(base: Priced, fits: Sequence[Priced], tries: int, more: Sequence[float] | None = None) -> int | None:
+    """Index of the best fit, None if the base is as good. more: what names that a fit has beyond the base's are to
+    gain, by fit; less than none where it has fewer."""
     spread = max(1.0, min(f.chi2 for f in (base, *fits)) / max(base.count, 1.0))
     toll = float(np.log(max(base.count, 2.0)))
-    prices = [f.chi2 + spread * toll * f.parameters for f in (base, *fits)]
+    extra = (0.0, *(more if more is not None else np.zeros(len(fits))))
+    prices = [f.chi2 + spread * (toll * f.parameters + e) for f, e in zip((base, *fits), extra, strict=True)]
     best = int(np.argmin(prices[1:])) if fits else 0
     return best if fits and prices[0] - prices[1 + best] > spread * gained_by_chance(tries) else None
 

@@ -10,9 +10,9 @@ from itertools import combinations
 import numpy as np
 
 from serpenoid.diagnose.inference.finding import VISIBLE
-from serpenoid.diagnose.inference.prices import Priced, cheapest
+from serpenoid.diagnose.inference.prices import Priced, cheapest, gained_by_chance
 from serpenoid.diagnose.stages.actuation_by_joint import Attempt
-from serpenoid.diagnose.stages.actuation_candidates import shown
+from serpenoid.diagnose.stages.actuation_candidates import places_of, shown
 from serpenoid.diagnose.stages.actuation_refit import refined, with_laws
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect
@@ -83,11 +83,14 @@ def one_more(
 def of_all_anew(best: Played) -> Played:
     """With the laws of all servos that do it for least, as long as others do it for less: one law may stand for several
     of as many numbers together and leave too little to be seen. One number more is asked for where more than chance is
-    left."""
+    left. A name more is to gain as much as the best of all candidates does by chance, as in every step of the search:
+    two laws of one number each are less likely together than one law of two."""
+    name = gained_by_chance(sum(len(places_of(kind, best.data)) for kind in shown(best.data)))
     while True:
         sets = _others_of_all(best)
         grown = [Played(best.data, e) for e in in_processes([(with_laws, (best.data, best.effects, s)) for s in sets])]
-        found = cheapest(best.priced, [g.priced for g in grown], len(grown))
+        more = [name * (g.size - best.size) for g in grown]
+        found = cheapest(best.priced, [g.priced for g in grown], len(grown), more)
         if found is None:
             return best
         best = grown[found]
