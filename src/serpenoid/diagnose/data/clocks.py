@@ -14,8 +14,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtri
 
 from serpenoid.body import Body, Floats
+from serpenoid.diagnose.data.chance import ERROR, SYSTEMATIC
 from serpenoid.diagnose.data.geometry import LEAST_MARKERS, shapes
 from serpenoid.diagnose.data.laid import Laid, Plan
 from serpenoid.errors import InputError
@@ -56,6 +58,18 @@ def pooled(clocks: Sequence[Clock]) -> tuple[float, float]:
     """The rate between two devices' clocks that is one in all trials, and its standard deviation."""
     weight = np.array([1 / c.rate_sd**2 for c in clocks])
     return float(weight @ [c.rate for c in clocks] / weight.sum()), float(1 / np.sqrt(weight.sum()))
+
+
+def run_apart(clocks: Sequence[Clock]) -> bool:
+    """Whether the rate differs from trial to trial by more than chance makes, at the stated error; also as it is told
+    apart from displaced markers, which draw it aside as far as gaits bend beside them."""
+    return all(_differ(some) for some in (clocks, [c.told_apart for c in clocks]))
+
+
+def _differ(clocks: Sequence[Clock]) -> bool:
+    rate, _ = pooled(clocks)
+    squares = sum(((c.rate - rate) / (SYSTEMATIC * c.rate_sd)) ** 2 for c in clocks)
+    return len(clocks) > 1 and bool(squares > chdtri(len(clocks) - 1, ERROR))
 
 
 def _too_little(cameras: Signal) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.clocks import Clock, align, as_played, beside_plan, pooled, start_on_log
+from serpenoid.diagnose.data.clocks import Clock, align, as_played, beside_plan, pooled, run_apart, start_on_log
 from serpenoid.diagnose.data.played import at_played_rate, by_their_commands
 from serpenoid.diagnose.data.put_elsewhere import with_puts
 from serpenoid.diagnose.data.recording import UNSURE_CYCLE, WINDOWS_PER_CYCLE, Recording
@@ -149,8 +149,9 @@ def _refuse_short(r: Recording) -> None:
 
 
 def with_one_rate(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
-    """The rate between two devices' clocks is one in all trials; noisy markers tell little of it in each."""
-    if not all(r.by_servos and r.clock.rate_sd > 0 for r in recordings):
+    """The rate between two devices' clocks is one in all trials, as noisy markers tell little of it in each; unless
+    they tell that it is not."""
+    if not all(r.by_servos and r.clock.rate_sd > 0 for r in recordings) or run_apart([r.clock for r in recordings]):
         return tuple(recordings)
     rate, _ = pooled([r.clock for r in recordings])
     return tuple(_at_rate(r, rate) for r in recordings)

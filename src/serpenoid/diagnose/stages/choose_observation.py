@@ -10,7 +10,7 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
-from serpenoid.diagnose.data.clocks import pooled
+from serpenoid.diagnose.data.clocks import pooled, run_apart
 from serpenoid.diagnose.data.columns import columns_of
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
@@ -27,6 +27,7 @@ from serpenoid.diagnose.stages.marker_evidence import (
     sample,
     structure_by_trial,
 )
+from serpenoid.diagnose.stages.seen_by_trial import divided as divided_by
 from serpenoid.diagnose.stages.seen_by_trial import slipping
 from serpenoid.diagnose.stages.told_lengths import instead_of_effects
 from serpenoid.effects.active import ActiveEffect
@@ -71,7 +72,8 @@ def choose_observation(
     kept = best.keys if other is None else other.beside.keys
     fits = [(best if other is None or key not in kept else other.beside, key) for key in best.keys]
     every = [_named(fit, key, stand_in=key not in kept) for fit, key in fits if key not in beyond]
-    clock = _clock(recordings, best)
+    rates = _rates_by_trial(recordings, best)
+    clock = _clock(recordings, best) if rates is None else None
     every += [] if clock is None else [clock]
     nameless = [n for n in every if n.strength >= VISIBLE and n.may_change_nothing]
     every = [n for n in every if n not in nameless]
@@ -82,6 +84,8 @@ def choose_observation(
     if slips is not None and words:
         words, divided = (words[0], slips.divided.words), slips.divided
         refused = slips.told.of_others(refused)
+    if rates is not None:
+        words, divided = (rates.words, *words), rates
     mend = other if any(n.stand_in for n in named) else None
     words += () if mend is None else (mend.words,)
     unknown = (f"{n.effect.called} is not named: its values may be anything" for n in nameless)
@@ -298,6 +302,30 @@ def _clock(recordings: Sequence[Recording], best: Looked) -> Named | None:
     effect = ActiveEffect.neutral(kind.name).with_coordinates([rate])
     ends = {parameter.name: interval((rate - half, rate + half))}
     return Named(effect, ends, abs(rate) * float((np.sqrt(squares) / levels).max()))
+
+
+def _rates_by_trial(recordings: Sequence[Recording], best: Looked) -> Divided | None:
+    """The rate between two clocks, where it differs from trial to trial by what is visible: as where a device was
+    started anew, or another one was taken."""
+    kind = next((k for k in marking("rate") if k.name not in best.without), None)
+    clocks = [r.clock for r in recordings]
+    if kind is None or not run_apart(clocks):
+        return None
+    rates = np.array([c.rate for c in clocks])
+    drifted = max(
+        _visible_at(best, r, float(rate)) for r, rate in zip(recordings, rates - pooled(clocks)[0], strict=True)
+    )
+    if drifted < VISIBLE:
+        return None
+    effects = [ActiveEffect.neutral(kind.name).with_coordinates([rate]) for rate in rates]
+    ends = f"from {rates.min():+.3g} to {rates.max():+.3g} s/s"
+    return divided_by(effects, [r.name for r in recordings], f"clocks run at another rate in each trial, {ends}")
+
+
+def _visible_at(best: Looked, r: Recording, rate: float) -> float:
+    """What a clock that runs away at a rate makes of the angles of a trial, over the noise level of the worst joint."""
+    levels = best.data.levels[: best.data.body.joint_count]
+    return abs(rate) * float((np.sqrt(_drifted(r)) / levels).max())
 
 
 def _drifted(r: Recording) -> Floats:
