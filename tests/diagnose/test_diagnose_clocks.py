@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Body
-from serpenoid.diagnose.data.clocks import Clock, align, beside_plan
+from serpenoid.diagnose.data.clocks import Clock, align, beside_plan, run_apart
 from serpenoid.diagnose.data.laid import Plan
 from serpenoid.errors import InputError
 from serpenoid.measure.links import chain_vertices
@@ -125,3 +125,12 @@ def test_a_log_is_laid_over_a_film_that_hides_a_marker_whenever_the_robot_moves(
     log = ServoLog(time + 3.0, bent(time, body.joint_count), None, None, None, None, {}, "log.csv")
     clock = align(body, film, markers, log)
     assert clock.zero == pytest.approx(3.0, abs=2e-3)
+
+
+def test_rates_that_differ_by_chance_or_by_what_a_displaced_marker_makes_are_one() -> None:
+    draws, sd = np.random.default_rng(3).normal(size=(200, 6)), 5e-5
+    assert not any(run_apart([Clock(0.0, 1e-3 + sd * x, 0.0, sd) for x in draw]) for draw in draws)
+    drawn_aside = [Clock(0.0, x, 0.0, sd, apart=(0.0, 2 * sd)) for x in (0.0, 0.0, 2e-3)]  # one gait bends beside it
+    assert not run_apart(drawn_aside)
+    assert run_apart([Clock(0.0, x, 0.0, sd, apart=(x, 2 * sd)) for x in (0.0, 0.0, 2e-3)])
+    assert not run_apart([Clock(0.0, 2e-3, 0.0, sd)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +24,7 @@ from serpenoid.diagnose.data.shape_in_time import Source, fitted, worth
 from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.choose_set_points import plays
 from serpenoid.diagnose.stages.expected import carried
 from serpenoid.diagnose.start import baseline
@@ -258,6 +260,23 @@ def test_one_rate_of_the_clock_serves_all_trials(tmp_path: Path) -> None:
     rates = {r.clock.rate for r in recorded(noisy, tmp_path)}
     assert len(rates) == 1
     assert rates.pop() == pytest.approx(rate, abs=1e-3)
+
+
+def test_a_clock_that_runs_otherwise_in_one_trial_is_that_trials(tmp_path: Path) -> None:
+    """As of a camera that was started anew, or of another one."""
+    rate, both = -3e-3, protocol()
+    healthy, clocked = (make(SEED, some, protocol=both) for some in (0, [Effect("clock_offset", None, {"rate": rate})]))
+    write(healthy, tmp_path / "healthy")
+    write(clocked, tmp_path / "clocked")
+    name = healthy.trials[-1].name
+    shutil.copytree(tmp_path / "clocked" / name, tmp_path / "healthy" / name, dirs_exist_ok=True)
+    recordings = read_recordings(tmp_path / "healthy")[1]
+    assert [r.clock.rate for r in recordings] == pytest.approx([rate * (r.name == name) for r in recordings], abs=1e-4)
+    stage, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))
+    assert not stage.named
+    assert stage.divided is not None
+    assert stage.divided.changed == (name,)
+    assert stage.words[0].startswith(f"clock_offset is another in `{name}`: rate -0.003")
 
 
 @pytest.mark.parametrize(
