@@ -16,7 +16,9 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import Protocol, usual, with_joints
 from serpenoid.cli.main import main
+from serpenoid.diagnose import changed_trials as changed_trials_file
 from serpenoid.diagnose.changed_trials import in_any_trial, mending_growth, sides
+from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.inference.finding import Divided, Named, Stage
 from serpenoid.diagnose.report.sentences import changed_trials
 from serpenoid.diagnose.residuals.in_some_trials import Cause, Differ
@@ -197,6 +199,24 @@ def test_chance_alone_has_none() -> None:
     assert (
         sum(told(np.zeros(12), rng, by=divided_or_hint) is not None for _ in range(400)) <= 10
     )  # as above: 4 expected
+
+
+@pytest.mark.parametrize("any_gait", [False, True])
+def test_sides_with_no_gait_in_common_are_two_where_no_gait_makes_them(
+    any_gait: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[str] = []
+
+    def as_it_was(changed: Any, others: Any, known: Any, say: Any) -> None:
+        asked.extend(r.name for r in changed)
+        raise NoPath("enough is known")
+
+    monkeypatch.setattr(changed_trials_file, "_as_it_was", as_it_was)
+    trials: list[Any] = [SimpleNamespace(name=g, setting=(g, 1.0)) for g in "ab"]
+    whole: Any = SimpleNamespace(divided=Divided("clocks", ("a",), ("b",), any_gait=any_gait))
+    known: Any = SimpleNamespace(ratio=None)
+    assert changed_trials_file.changed_trials(trials, known, whole, lambda text: None) is None
+    assert asked == ["a"] * any_gait
 
 
 def test_a_repeat_of_which_nothing_is_told_is_on_the_side_of_its_setting() -> None:

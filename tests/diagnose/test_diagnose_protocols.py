@@ -276,6 +276,7 @@ def test_a_clock_that_runs_otherwise_in_one_trial_is_that_trials(tmp_path: Path)
     assert not stage.named
     assert stage.divided is not None
     assert stage.divided.changed == (name,)
+    assert stage.divided.any_gait
     assert stage.words[0].startswith(f"clock_offset is another in `{name}`: rate -0.003")
 
 

@@ -2,7 +2,7 @@
 
 Which trials these are a stage of the diagnosis of all has told (`Stage.divided`). Beside an earlier campaign that is
 the reference; without one, the side of the trials that needs fewer causes is, if some gait was played on both sides:
-else it may be the gaits that differ.
+else it may be the gaits that differ, unless no gait makes what divides them, as of clocks.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def changed_trials(
         return None
     changed, others = sides(recordings, whole.divided)
     played = [{r.setting for r in side} for side in (changed, others)]
-    if known.ratio is None and not played[0] & played[1]:
+    if known.ratio is None and not whole.divided.any_gait and not played[0] & played[1]:
         return None
     try:
         before = None

@@ -85,6 +85,7 @@ class Divided:
     """What acts in some trials alone. words: what is said of it; changed, others: names of trials, empty where it is
     not known which are which; perhaps: it may act in all of them, and show in some, unless those tell it by themselves.
     grows: where it may grow from trial to trial, by how much it may differ within the changed ones, over what it is.
+    any_gait: no gait makes it, so that sides with no gait in common are two, too.
     hint: it is less than most of what repeats differ by, and nothing follows but these words. cause: what differs, to
     first order, if that is known.
     """
@@ -96,6 +97,7 @@ class Divided:
     grows: float = 0.0
     hint: bool = False
     cause: str = ""
+    any_gait: bool = False
 
 
 def alone(changed: Sequence[str], others: Sequence[str]) -> str:

@@ -319,7 +319,8 @@ def _rates_by_trial(recordings: Sequence[Recording], best: Looked) -> Divided | 
         return None
     effects = [ActiveEffect.neutral(kind.name).with_coordinates([rate]) for rate in rates]
     ends = f"from {rates.min():+.3g} to {rates.max():+.3g} s/s"
-    return divided_by(effects, [r.name for r in recordings], f"clocks run at another rate in each trial, {ends}")
+    told = divided_by(effects, [r.name for r in recordings], f"clocks run at another rate in each trial, {ends}")
+    return replace(told, any_gait=True)
 
 
 def _visible_at(best: Looked, r: Recording, rate: float) -> float:
