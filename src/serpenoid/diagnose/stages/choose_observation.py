@@ -8,15 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
-from serpenoid.diagnose.data.clocks import pooled, run_apart
 from serpenoid.diagnose.data.columns import columns_of
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.recording import Recording
 from serpenoid.diagnose.inference.finding import VISIBLE, Divided, Named, Rival, Stage, alone, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, far_less, lawful
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, most_gained, outweighed
+from serpenoid.diagnose.stages.clock_rates import rate_of_all, rates_by_trial
 from serpenoid.diagnose.stages.looked import Key, Looked, effect_of, gained_beyond
 from serpenoid.diagnose.stages.marker_evidence import (
     along,
@@ -27,11 +26,10 @@ from serpenoid.diagnose.stages.marker_evidence import (
     sample,
     structure_by_trial,
 )
-from serpenoid.diagnose.stages.seen_by_trial import divided as divided_by
 from serpenoid.diagnose.stages.seen_by_trial import slipping
 from serpenoid.diagnose.stages.told_lengths import instead_of_effects
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.effects.catalogue import find, marking
+from serpenoid.effects.catalogue import find
 from serpenoid.files.store import remembered
 
 FULL_FITS = 6
@@ -72,8 +70,8 @@ def choose_observation(
     kept = best.keys if other is None else other.beside.keys
     fits = [(best if other is None or key not in kept else other.beside, key) for key in best.keys]
     every = [_named(fit, key, stand_in=key not in kept) for fit, key in fits if key not in beyond]
-    rates = _rates_by_trial(recordings, best)
-    clock = _clock(recordings, best) if rates is None else None
+    rates = rates_by_trial(recordings, best)
+    clock = rate_of_all(recordings, best) if rates is None else None
     every += [] if clock is None else [clock]
     nameless = [n for n in every if n.strength >= VISIBLE and n.may_change_nothing]
     every = [n for n in every if n not in nameless]
@@ -287,50 +285,3 @@ def _named(best: Looked, key: Key, stand_in: bool) -> Named:
         ends[p.name] = interval((effect.parameters[p.name] - half, effect.parameters[p.name] + half))
     partly = effect.place is None and _law_error(best, effect) > LAW_ERROR
     return Named(effect, ends, best.strength(key), tuple(bound), stand_in or partly)
-
-
-def _clock(recordings: Sequence[Recording], best: Looked) -> Named | None:
-    """The rate between two clocks, if it is more than chance."""
-    kind = next((k for k in marking("rate") if k.name not in best.without), None)
-    rate, sd = pooled([r.clock for r in recordings])
-    if kind is None or (rate / sd) ** 2 < best.needed:
-        return None
-    levels = best.data.levels[: best.data.body.joint_count]
-    squares = np.mean([_drifted(r) for r in recordings], axis=0)
-    (parameter,) = kind.parameters
-    half = NORMAL * SYSTEMATIC * sd + parameter.resolution
-    effect = ActiveEffect.neutral(kind.name).with_coordinates([rate])
-    ends = {parameter.name: interval((rate - half, rate + half))}
-    return Named(effect, ends, abs(rate) * float((np.sqrt(squares) / levels).max()))
-
-
-def _rates_by_trial(recordings: Sequence[Recording], best: Looked) -> Divided | None:
-    """The rate between two clocks, where it differs from trial to trial by what is visible: as where a device was
-    started anew, or another one was taken."""
-    kind = next((k for k in marking("rate") if k.name not in best.without), None)
-    clocks = [r.clock for r in recordings]
-    if kind is None or not run_apart(clocks):
-        return None
-    rates = np.array([c.rate for c in clocks])
-    drifted = max(
-        _visible_at(best, r, float(rate)) for r, rate in zip(recordings, rates - pooled(clocks)[0], strict=True)
-    )
-    if drifted < VISIBLE:
-        return None
-    effects = [ActiveEffect.neutral(kind.name).with_coordinates([rate]) for rate in rates]
-    ends = f"from {rates.min():+.3g} to {rates.max():+.3g} s/s"
-    told = divided_by(effects, [r.name for r in recordings], f"clocks run at another rate in each trial, {ends}")
-    return replace(told, any_gait=True)
-
-
-def _visible_at(best: Looked, r: Recording, rate: float) -> float:
-    """What a clock that runs away at a rate makes of the angles of a trial, over the noise level of the worst joint."""
-    levels = best.data.levels[: best.data.body.joint_count]
-    return abs(rate) * float((np.sqrt(_drifted(r)) / levels).max())
-
-
-def _drifted(r: Recording) -> Floats:
-    inside = (r.time > 0) & (r.time < r.end)
-    speed = np.gradient(r.angles, r.time, axis=0)[inside]
-    late = r.time[inside] - r.time[inside].mean()
-    return np.asarray(((speed * late[:, None]) ** 2).mean(axis=0))
