@@ -126,6 +126,7 @@ def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_m
     worn = {"name": "worn_wheel", "place": 2, "strength_over_noise": 0.9, "in_extended_model": True}
     weak = worn | {"parameters": {"seizure": {"value": 0.343, "unit": "1"}}}
     said = meaning(repeated | {"law": {"name": "viscous"}, "below_detection": [weak]})
+    assert "drag alone explains the path within its noise; what windows show besides" in said
     assert "what windows show besides moves the path by less than its noise: worn_wheel at vertex 2" in said
     assert "(0.9 times the noise, seizure 0.343, in the extended model)" in said
     assert "dry friction alone explains" in meaning(repeated | {"law": {"name": "coulomb"}})
