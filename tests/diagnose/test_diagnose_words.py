@@ -117,6 +117,9 @@ def test_an_effect_too_weak_to_name_is_told_of_with_its_strength(diagnosed: tupl
     strong = record | {"below_detection": [trace | {"name": "servo_lag", "parameters": {"lag": lag}}]}
     said = "servo_lag (1.4 times the noise, lag 0.038 s (95 %: -0.0324 s .. 0.108 s))"
     assert undetected(strong) == [said]
+    unasked = {"value": 0.512, "interval": [None, None], "unit": "1"}  # of what windows show no interval is made
+    drag = record | {"below_detection": [trace | {"name": "power_law_drag", "parameters": {"exponent": unasked}}]}
+    assert undetected(drag) == ["power_law_drag (1.4 times the noise, exponent 0.512)"]
 
 
 def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_model_is_right() -> None:

@@ -171,7 +171,7 @@ def undetected(record: Record) -> list[str]:
 def _roughly(effect: Record) -> str:
     """Values of what has no name, with their intervals unless it is too weak to have any."""
     said = {
-        name: parameter(p) if "interval" in p else shown(p["value"], p["unit"])
+        name: parameter(p) if any(end is not None for end in p.get("interval", ())) else shown(p["value"], p["unit"])
         for name, p in effect.get("parameters", {}).items()
     }
     return "".join(f", {name} {value}" for name, value in said.items())
