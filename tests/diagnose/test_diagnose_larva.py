@@ -78,7 +78,8 @@ def test_peristalsis_is_explained_by_nothing_that_bends(larva: Path, tmp_path: P
     found = diagnosed(larva, tmp_path / "out")
     assert found["verdict"] == "unexplained"
     assert not found["effects"]
-    assert found["gain"]["path_rms_m"]["after"] == found["gain"]["path_rms_m"]["before"]
+    gain = found["gain"]["path_rms_m"]
+    assert gain["after"] > 0.8 * gain["before"]  # several laws, none of them a name, predict a little of it
     low, high = found["drag_ratio"]["interval"]
     assert low <= found["drag_ratio"]["value"] <= high
 
