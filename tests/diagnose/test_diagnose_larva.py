@@ -78,7 +78,8 @@ def test_peristalsis_is_explained_by_nothing_that_bends(larva: Path, tmp_path: P
     found = diagnosed(larva, tmp_path / "out")
     assert found["verdict"] == "unexplained"
     assert not found["effects"]
-    assert found["gain"]["path_rms_m"]["after"] == found["gain"]["path_rms_m"]["before"]
+    gain = found["gain"]["path_rms_m"]
+    assert gain["after"] > 0.8 * gain["before"]  # several laws, none of them a name, predict a little of it
     low, high = found["drag_ratio"]["interval"]
     assert low <= found["drag_ratio"]["value"] <= high
 
@@ -126,8 +127,11 @@ COST = 5.0  # of a coordinate
 
 def found(left: float, named: tuple[Name, ...], moves: np.ndarray) -> Any:
     """Displacements (100,) in standard deviations, of which the best fit, with one coordinate, leaves so much."""
-    track = SimpleNamespace(displacement=moves[:, None], usable=np.ones(100, bool), duration=np.ones(100))
-    motion = SimpleNamespace(tracks=[track], noise=SimpleNamespace(of=lambda _: 1.0))
+    by = np.zeros((100, 3))
+    by[:, 0] = moves
+    track = SimpleNamespace(displacement=by, usable=np.ones(100, bool), duration=np.ones(100))
+    white = SimpleNamespace(of=lambda values, known: values[known].reshape(-1))  # in standard deviations already
+    motion = SimpleNamespace(tracks=[track], white=[white])
     fit = SimpleNamespace(
         chi2=left - COST, evidence=SimpleNamespace(toll=lambda columns: columns * COST), coordinates=[0]
     )

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.data.memory import Memory, _likelihood, _scattered, covariance, roots
+from serpenoid.diagnose.data.memory import Memory, _likelihood, _scattered, covariance, roots, share_of_poses
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.noise import window_noise
 from serpenoid.diagnose.data.paths import path_error, path_noise, repeated
@@ -248,3 +248,33 @@ def test_paths_beside_those_of_earlier_trials_stray_by_the_noise_of_both(time: f
             found.append(path_error(motion, predictions) / level)
     assert np.median(ratios[False]) == pytest.approx(1, abs=0.2)
     assert np.median(ratios[True]) < 0.8 or time > 0  # pushes that last add up within a cycle, too
+
+
+@pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
+def test_draws_tell_how_much_of_a_window_is_of_the_poses_that_its_neighbours_share(share: float) -> None:
+    """Differences of poses of variance 1/2 have variance 1, and correlate with their neighbours by -1/2; of 24 draws of
+    four parts the share is known to about 0.05."""
+    rng = np.random.default_rng(4)
+    poses, alone = rng.normal(0, np.sqrt(0.5), (4, 24, 31, 3)), rng.normal(size=(4, 24, 30, 3))
+    draws = np.sqrt(share) * np.diff(poses, axis=2) + np.sqrt(1 - share) * alone
+    np.testing.assert_allclose(share_of_poses(list(draws)), share, atol=0.1)
+
+
+def test_a_part_without_roots_tells_no_share_of_poses() -> None:
+    rng = np.random.default_rng(4)
+    told = np.diff(rng.normal(0, np.sqrt(0.5), (24, 31, 3)), axis=1)
+    none = np.full((24, 30, 3), np.nan)
+    assert np.array_equal(share_of_poses([none, told]), share_of_poses([told]))
+
+
+def test_noise_of_poses_does_not_add_up_along_a_path() -> None:
+    """However many windows, their sum is the difference of two poses; of independent windows it grows with the root."""
+    count = 40
+    track: Any = SimpleNamespace(
+        least=np.full((count, 3), 1.0), playing=np.ones(count, dtype=bool), boundaries=np.arange(count + 1),
+        time=WINDOW_S * np.arange(count + 1), phase=np.arange(count) % PHASES,
+    )  # fmt: skip
+    rng, chance = np.random.default_rng(0), np.ones((count, 3))
+    ends = [memory.draws(track, chance, rng, 400).sum(axis=1).std() for memory in (Memory.of_poses(), Memory())]
+    assert ends[0] == pytest.approx(1.0, rel=0.1)
+    assert ends[1] == pytest.approx(np.sqrt(count), rel=0.1)

@@ -139,3 +139,12 @@ def test_an_error_of_the_law_counts_for_no_more_because_chance_lasts(size: float
         for m in (motion, independent(motion))
     ]
     assert squares[0] == pytest.approx(squares[1], rel=0.15)  # by chance's covariance alone: 1.7 times, at ten times
+
+
+def test_windows_that_share_no_pose_are_divided_by_their_deviations() -> None:
+    """Where draws say that neighbours have nothing in common, knowing so changes nothing; where they do, it does."""
+    rng = np.random.default_rng(0)
+    chance, known, values = rng.uniform(0.6, 2, (12, 3)), np.ones(12, dtype=bool), rng.normal(size=(12, 3))
+    alone, bound = (White(track(12, least), chance, Memory.of_poses()) for least in (0.0, 0.5))  # type: ignore[arg-type]
+    np.testing.assert_allclose(alone.of(values, known), (values / chance).ravel(), rtol=1e-8)
+    assert np.abs(bound.of(values, known) - (values / chance).ravel()).max() > 0.1

@@ -117,6 +117,9 @@ def test_an_effect_too_weak_to_name_is_told_of_with_its_strength(diagnosed: tupl
     strong = record | {"below_detection": [trace | {"name": "servo_lag", "parameters": {"lag": lag}}]}
     said = "servo_lag (1.4 times the noise, lag 0.038 s (95 %: -0.0324 s .. 0.108 s))"
     assert undetected(strong) == [said]
+    unasked = {"value": 0.512, "interval": [None, None], "unit": "1"}  # of what windows show no interval is made
+    drag = record | {"below_detection": [trace | {"name": "power_law_drag", "parameters": {"exponent": unasked}}]}
+    assert undetected(drag) == ["power_law_drag (1.4 times the noise, exponent 0.512)"]
 
 
 def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_model_is_right() -> None:
@@ -126,6 +129,7 @@ def test_nothing_beside_a_reference_says_that_nothing_changed_and_not_that_the_m
     worn = {"name": "worn_wheel", "place": 2, "strength_over_noise": 0.9, "in_extended_model": True}
     weak = worn | {"parameters": {"seizure": {"value": 0.343, "unit": "1"}}}
     said = meaning(repeated | {"law": {"name": "viscous"}, "below_detection": [weak]})
+    assert "drag alone explains the path within its noise; what windows show besides" in said
     assert "what windows show besides moves the path by less than its noise: worn_wheel at vertex 2" in said
     assert "(0.9 times the noise, seizure 0.343, in the extended model)" in said
     assert "dry friction alone explains" in meaning(repeated | {"law": {"name": "coulomb"}})

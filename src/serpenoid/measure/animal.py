@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Body
+from serpenoid.measure.beside_midline import beside_midline, said
 from serpenoid.measure.cells import Floats, listed
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.lengths import shown_lengths
@@ -173,6 +174,8 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
         )
     apart = uneven(body, motion.markers) if body.is_animal else ""
     seen = [apart] if apart else _sampling(motion)
+    aside = beside_midline(body.edges, motion.smooth_angles) if body.is_animal else None
+    seen += [said(aside, body.edges)] if aside else []
     return (*found, *_clock(motion), *_cuts(motion), *seen, *_stretching(body, motion), *_length(motion))
 
 

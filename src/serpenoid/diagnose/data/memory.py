@@ -37,6 +37,7 @@ FINER = 4.0  # the shortest time that is tried is so much shorter than a window:
 ROUNDING = 1e-9  # of a variance
 NEVER = 1e-4  # how likely a time is that is left out
 RECURRING = (0.0, 0.3, 0.6, 0.9)  # that are tried
+SHARES = 101  # of poses that are tried, evenly from none to all
 NEIGHBOURS = 1 + 2 * 0.5**2  # where nothing is known: neighbours correlate by -1/2 at most, by their pose
 
 
@@ -47,7 +48,8 @@ class Memory:
 
     likelihood: ln of the differences' own, but for a constant, the mean over all pairs. shared (3,): variance of what
     repeats share over that of chance, by direction. scattered: ln likelihood of each factor of two (1, 2, ..) by which
-    a trial's windows are worth fewer numbers than their covariance says.
+    a trial's windows are worth fewer numbers than their covariance says. bound: windows are never taken for
+    independent, for it is known how large the part of poses is.
     """
 
     times: tuple[float, ...] = ()
@@ -56,6 +58,12 @@ class Memory:
     likelihood: float = 0.0
     shared: tuple[float, float, float] = (0.0, 0.0, 0.0)
     scattered: tuple[float, ...] = ()
+    bound: bool = False
+
+    @classmethod
+    def of_poses(cls) -> Memory:
+        """Of windows whose neighbours share the noise of the poses between them, and nothing else."""
+        return cls((0.0,), (1.0,), (0.0,), bound=True)
 
     @classmethod
     def told(
@@ -112,6 +120,11 @@ class Memory:
         """Whether repeats exclude that pushes are forgotten at once: the mean likelihood of all pairs over that of none
         exceeds 1 / ERROR, by chance, with no more than this probability (Markov's inequality)."""
         return bool(self.times) and self.weights[0] * len(self.times) < ERROR
+
+    @property
+    def correlates(self) -> bool:
+        """Whether windows are seen beside those before them."""
+        return self.bound or self.lasts
 
     def covariance(self, track: Track, chance: Floats, windows: np.ndarray) -> Floats:
         """(3, W, W) of some windows of a track, by index, SD (W, 3) each: the mean over what pairs are likely."""
@@ -172,6 +185,21 @@ def covariance(
     alone = shared * poses[:, :, None] * poses[:, None]
     alone = alone + ROUNDING * np.einsum("ki,ij->kij", chance[own].T ** 2, np.eye(len(own)))
     return np.asarray(alone + lasting[..., None, :, :] * (pushes[:, :, None] * pushes[:, None]))
+
+
+def share_of_poses(draws: Sequence[Floats]) -> Floats:
+    """Of the variance of a window (3,), the likeliest by draws (.., W, 3) of parts of a recording in units of their
+    noise."""
+    tried = np.linspace(0.0, 1.0, SHARES)
+    logs = np.zeros((SHARES, 3))
+    for z in (z for z in draws if np.isfinite(z).all()):
+        count = z.shape[-2]
+        angles = np.pi * np.arange(1, count + 1) / (count + 1)
+        waves = np.sqrt(2 / (count + 1)) * np.sin(np.outer(np.arange(1, count + 1), angles))
+        squares = ((waves @ z) ** 2).reshape(-1, count, 3)
+        variances = 1 - np.outer(tried, np.cos(angles))
+        logs -= (len(squares) * np.log(variances).sum(axis=1)[:, None] + (1 / variances) @ squares.sum(axis=0)) / 2
+    return np.asarray(tried[logs.argmax(axis=0)])
 
 
 def _lasting(track: Track, own: np.ndarray, times: Floats) -> Floats:

@@ -39,7 +39,7 @@ def window_noise(tracks: Sequence[Track], left: Sequence[Floats]) -> tuple[Noise
     own = [t.noise for t in tracks if t.noise is not None]
     if own:
         typical = np.sqrt((np.concatenate(own) ** 2).mean(axis=0))
-        return Noise(typical, typical), np.empty((0, 3))
+        return Noise(typical, typical, memory=Memory.of_poses()), np.empty((0, 3))
     least = np.sqrt(np.mean([np.mean(np.square(t.least), axis=0) * np.ones(3) for t in tracks], axis=0))
     creep = CREEP_TICKS * TICK * np.array([*[GYRATION * tracks[0].recording.body.total_length_m] * 2, 1.0])
     again = repeats(tracks)

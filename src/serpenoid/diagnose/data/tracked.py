@@ -2,7 +2,8 @@
 
 There is no command and no servo to compare with, so only the stage of motion is left. A recording is cut into parts,
 and each is predicted by a fit to the others. Nothing is repeated, so chance is what the points' own noise makes of
-shapes, poses and first velocity, drawn again and again; all else is a fault of the model.
+shapes, poses and first velocity, drawn again and again; all else is a fault of the model. What noise does to the pose
+between two windows is in both with the other sign: draws tell how much of it that is, and it does not add up.
 
 Legend: R rows of a part's time mesh, B boundaries of windows, N vertices.
 """
@@ -17,6 +18,7 @@ import numpy as np
 from serpenoid.body import Body, Floats
 from serpenoid.body_curve import PLAIN, SMOOTH
 from serpenoid.diagnose.data.lead import Lead, Run
+from serpenoid.diagnose.data.memory import share_of_poses
 from serpenoid.diagnose.data.shapes_from_points import Smoothed, States, from_points
 from serpenoid.diagnose.data.still import refuse_still
 from serpenoid.diagnose.data.windows import Track, predictions
@@ -197,9 +199,11 @@ def _parts(recording: TrackedRecording, pieces: int, model: Model) -> list[Track
     tracks = [replace(t, offset=e) for t, e in zip(tracks, _mesh_error(model, tracks, finer), strict=True)]
     least = LEAST_NOISE * model.body.pose_units
     squares = _filled([_variance([d[i] for d in draws], model.body.total_length_m) for i in range(pieces)])
+    noise = [np.maximum(np.sqrt(q), least) for q in squares]
+    share = share_of_poses([np.stack([d[i] for d in draws]) / own for i, own in enumerate(noise)])
     return [
-        _along_curve(model, replace(t, noise=np.maximum(np.sqrt(q), least)))
-        for t, q in zip(tracks, squares, strict=True)
+        _along_curve(model, replace(t, noise=own, least=np.sqrt(share) * own))
+        for t, own in zip(tracks, noise, strict=True)
     ]
 
 

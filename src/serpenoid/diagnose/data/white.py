@@ -2,10 +2,11 @@
 
     z = L^-1 x,   L L^T = C                 (C: covariance of a trial's windows, by direction)
 
-Where chance does not last C is diagonal, and z is x over the standard deviations. Where it does (memory.py), each
-window is seen beside what those before it tell. What repeats share is an error of the law, and belongs to its window:
-with r its variance over that of chance (`Memory.shared`) residuals have C + r diag C, whose correlations are those of
-chance over 1 + r; else a law's error would count for the more, the longer chance lasts. Variances stay those of chance.
+Where chance does not last C is diagonal, and z is x over the standard deviations. Where it does (memory.py), and where
+draws tell how much of it is of the poses that neighbours share, each window is seen beside what those before it tell.
+What repeats share is an error of the law, and belongs to its window: with r its variance over that of chance
+(`Memory.shared`) residuals have C + r diag C, whose correlations are those of chance over 1 + r; else a law's error
+would count for the more, the longer chance lasts. Variances stay those of chance.
 
 Legend: W windows of a track, R those that are known.
 """
@@ -41,7 +42,7 @@ class White:
 
     def of(self, values: Floats, known: np.ndarray) -> Floats:
         """Values (W, 3, ...) of the windows known (W,), window by window and direction by direction (3 R, ...)."""
-        if not self.memory.lasts:
+        if not self.memory.correlates:
             sizes = self.deviations.reshape(*self.chance.shape, *[1] * (values.ndim - 2))
             return np.asarray((values / sizes)[known].reshape(-1, *values.shape[2:]))
         flat = values[known].reshape(int(known.sum()), 3, int(np.prod(values.shape[2:]))).transpose(1, 0, 2)
@@ -50,7 +51,7 @@ class White:
 
     def spreads(self, known: np.ndarray) -> Floats:
         """What values of windows known are divided by (3 R,): deviations beside what windows before them tell."""
-        if not self.memory.lasts:
+        if not self.memory.correlates:
             return self.deviations[known].ravel()
         own = [1 / np.diagonal(x[:, :, -x.shape[1] :], axis1=1, axis2=2) for _, x in self._inverses(known)]
         return np.concatenate(own, axis=1).T.ravel()

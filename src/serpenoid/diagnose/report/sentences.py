@@ -43,6 +43,11 @@ MEANINGS = {
     "partly explained": "what is named accounts for a part; more than the noise is left",
     "unexplained": "more than the noise is left, and no effect of the catalogue clearly explains it",
 }
+PATH_ALONE = "{law} explains the path within its noise"  # of a recording whose windows show more
+LINKS = (
+    "what effects do is computed on straight links between the points; stand-ins do no more than what else is named is "
+    "off by for that, or than paths are off by"
+)
 SETTLED = {"nothing", "explained"}  # verdicts that leave nothing open
 UNREPEATED = {
     "nothing": "nothing is named; nothing was played twice, so nobody can tell whether what is left is noise",
@@ -66,15 +71,14 @@ def meaning(record: Record) -> str:
         return UNREPEATED[record["verdict"]]
     if record.get("changed_trials"):
         return "something acts in some of the trials alone: see `changed trials`"
+    weak = undetected(record) if record["verdict"] == "nothing" else []
     if record["verdict"] == "nothing" and record["reference"]:
         said = "nothing has changed since the reference beyond the noise of either"
     else:
         known = few([e["name"] for e in record.get("baseline", {}).get("effects", [])])  # not in older answers
-        said = MEANINGS[record["verdict"]].format(law=law(record) + (f" with {known}" if known else " alone"))
-    if record["verdict"] == "nothing" and (weak := undetected(record)):
-        weaker = f"; what windows show besides moves the path by less than its noise: {few(weak)}"
-    else:
-        weaker = ""
+        words = PATH_ALONE if weak else MEANINGS[record["verdict"]]
+        said = words.format(law=law(record) + (f" with {known}" if known else " alone"))
+    weaker = f"; what windows show besides moves the path by less than its noise: {few(weak)}" if weak else ""
     hiding = record["verdict"] in SETTLED and (record.get("noise_over_markers") or 0.0) > OTHER_CHANCE
     which = f" ({record['hiding']})" if record.get("hiding") else ""
     return said + weaker + f"{HIDING}{which}" * hiding + noisier(record)
@@ -129,6 +133,8 @@ def _why_doubted(record: Record, seen: bool) -> str:
         return f"parts that differ a little (by {record['parts_differ_by']}) explain as much as the stand-ins"
     if record.get("may_differ_by"):
         return "what acts may grow from trial to trial: stand-ins may mend what one size of it for all of these leaves"
+    if record["noise_from"] == "points":
+        return LINKS
     if not record["reference"]:
         return "stand-ins do less than paths are off by beside them, though in so few windows noise may make as much"
     return "the reference follows a law that the catalogue lacks: stand-ins may mend only that law"
@@ -165,7 +171,7 @@ def undetected(record: Record) -> list[str]:
 def _roughly(effect: Record) -> str:
     """Values of what has no name, with their intervals unless it is too weak to have any."""
     said = {
-        name: parameter(p) if "interval" in p else shown(p["value"], p["unit"])
+        name: parameter(p) if any(end is not None for end in p.get("interval", ())) else shown(p["value"], p["unit"])
         for name, p in effect.get("parameters", {}).items()
     }
     return "".join(f", {name} {value}" for name, value in said.items())

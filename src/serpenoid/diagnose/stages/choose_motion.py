@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from serpenoid.diagnose.data.chance import largest_factor
+from serpenoid.diagnose.data.chance import NORMAL, largest_factor
 from serpenoid.diagnose.data.motion import Motion, Noise
 from serpenoid.diagnose.data.noise import noise_uncertain, over_markers, residuals
 from serpenoid.diagnose.data.observation import Observation
@@ -236,6 +236,7 @@ def finding(
         named = beside_what_is_left(motion, named)
     if motion.ratio is None:
         named = beside_paths(named, after / noise_level)
+    named = amid_points(motion, named)
     known = divided is not None and bool(divided.cause)  # by what repeats differ by: it is told
     growing = grows_instead(found) if not known and any(n.effect.effect.moves for n in named) else ""
     if growing:
@@ -272,6 +273,18 @@ def beside_paths(named: Sequence[Named], left: float) -> list[Named]:
     be a part of it, though in few windows noise may make as much."""
     beyond = float(np.sqrt(max(left**2 - 1, 0.0)))
     return [replace(n, stand_in=n.stand_in or (n.effect.effect.moves and beyond > n.strength)) for n in named]
+
+
+def amid_points(motion: Motion, named: Sequence[Named]) -> list[Named]:
+    """Names of a body that is known at points: what effects do is computed on straight links between them, and a name
+    that does no more than the others are off by for that may mend it."""
+    coarse = NORMAL * float(np.sqrt(np.mean([t.coarse**2 for t in motion.tracks])))
+    squares = [n.strength**2 if n.effect.effect.moves else 0.0 for n in named]
+    off = [coarse * float(np.sqrt(sum(squares[:i] + squares[i + 1 :]))) for i in range(len(named))]
+    return [
+        replace(n, stand_in=n.stand_in or (n.effect.effect.moves and 0 < x >= n.strength))
+        for n, x in zip(named, off, strict=True)
+    ]
 
 
 def another_law(found: Selection, stage: Stage) -> Stage:

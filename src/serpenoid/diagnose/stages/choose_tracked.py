@@ -10,15 +10,22 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+import numpy as np
+
+from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.tracked import TrackedRecording, tracker
 from serpenoid.diagnose.data.untestable import fixed_to_the_room
+from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import MotionFinding, Searched, choose_on_tracks
+from serpenoid.measure.beside_midline import beside_midline
 
 GLIDES = (
     "a body that only glides on, whatever it bends, would leave no more: nothing can be told of what moves this one"
 )
+ASIDE = "a point stands beside the body's midline"
+OF_SHAPES = "names may stand in for what that does to the shapes"
 STILL = "a body that stood still would leave no more: nothing can be told of what moves this one, nor of its eps"
 
 
@@ -33,7 +40,17 @@ def choose_tracked(
     tracks = track(baseline.model)
     labels = tuple(range(len(tracks)))
     found = choose_on_tracks(track, labels, baseline, say, fixed_to_the_room(tracks), searched=searched)
-    return moving(found)
+    return off_midline(moving(found), tracks)
+
+
+def off_midline(found: MotionFinding, tracks: Sequence[Track]) -> MotionFinding:
+    """The finding; where a point stands beside the body's midline, shapes are wrong there, and names may stand in for
+    that."""
+    body = tracks[0].recording.body
+    aside = beside_midline(body.edges, np.concatenate([bends_of(t.vertices) for t in tracks]))
+    if aside is None or not found.stage.named or not body.is_animal:
+        return found
+    return _doubted(found, f"{ASIDE} (point {aside.vertex + 1} from the tail): {OF_SHAPES}")
 
 
 def moving(found: MotionFinding) -> MotionFinding:
@@ -57,9 +74,16 @@ def _without_forces(motion: Motion) -> tuple[float, float, int]:
     """Chi squared of a body that stands still, that of one that keeps the velocity of each part which leaves least,
     and how many numbers these velocities are."""
     still, gliding = 0.0, 0.0
-    for t in motion.tracks:
-        z = (t.displacement / motion.noise.of(t))[t.usable]
-        by = (t.duration[:, None] / motion.noise.of(t))[t.usable]
+    for t, white in zip(motion.tracks, motion.white, strict=True):
+        z = white.of(t.displacement, t.usable).reshape(-1, 3)
+        by = white.of(np.broadcast_to(t.duration[:, None], t.displacement.shape), t.usable).reshape(-1, 3)
         still += float((z**2).sum())
         gliding += float((z**2).sum() - ((z * by).sum(axis=0) ** 2 / (by**2).sum(axis=0)).sum())
     return still, gliding, 3 * len(motion.tracks)
+
+
+def bends_of(vertices: Floats) -> Floats:
+    """Joint angles (R, N - 2) of chains (R, N, 2)."""
+    edges = np.diff(vertices, axis=1)
+    turned = np.diff(np.arctan2(edges[..., 1], edges[..., 0]), axis=1)
+    return np.asarray((turned + np.pi) % (2 * np.pi) - np.pi)
