@@ -115,10 +115,11 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
         *note_lines(record.get("note")),
     ]
     if record["kind"] == "optimum":
-        kkt, gain = max(record["kkt"].values()), record["polishing_gain"]
+        residuals, gain = list(record["kkt"].values()), record["polishing_gain"]
+        kkt = "not a number" if None in residuals else f"{max(residuals):.1e}"
         lines += [
             f"cost              {_short(record['cost'])} at c = {record['c']:g}",
-            f"certificate       KKT {kkt:.1e}, re-simulation {_short(record['resimulation_error'])}, "
+            f"certificate       KKT {kkt}, re-simulation {_short(record['resimulation_error'])}, "
             f"polishing gain {'not tried' if gain is None else _short(gain)}",
             f"mesh              {_mesh(record['mesh'])}",
         ]

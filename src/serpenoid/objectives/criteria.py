@@ -21,6 +21,8 @@ from serpenoid.objectives.checked import expression as checked
 from serpenoid.objectives.checked import interval, scalar
 from serpenoid.objectives.frames import composed, place, placed
 
+NOWHERE = 1e-180  # body lengths^2: far below rounding; its power -3/2, in second derivatives, is finite
+
 
 @dataclass(frozen=True)
 class Gaps:
@@ -104,8 +106,11 @@ class Criteria:
 
     @property
     def displacement(self) -> ca.SX:
-        """Distance of the centroid over the cycle, along the floor [body lengths]."""
-        return ca.norm_2(self.poses[:2, -1])
+        """Distance of the centroid over the cycle, along the floor [body lengths].
+
+        Its slope at a distance of exactly zero, where a search for a turn in place ends, is zero and not 0 / 0.
+        """
+        return ca.sqrt(ca.fmax(ca.sumsqr(self.poses[:2, -1]), NOWHERE))
 
     @property
     def heading_change(self) -> ca.SX:
