@@ -100,7 +100,7 @@ class Criteria:
         self.objective = ca.SX(0)
 
     @cached_property
-    def _known(self) -> set[int]:
+    def known(self) -> set[int]:
         """All symbols, by element."""
         return {element.element_hash() for element in ca.symvar(ca.vertcat(*self.inputs))}
 
@@ -164,15 +164,15 @@ class Criteria:
 
     def minimise(self, expression: ca.SX) -> None:
         """Replace the objective."""
-        self.objective = scalar(expression, "minimise", self._known)
+        self.objective = scalar(expression, "minimise", self.known)
 
     def also_minimise(self, expression: ca.SX) -> None:
         """Add to the objective."""
-        self.objective = self.objective + scalar(expression, "also_minimise", self._known)
+        self.objective = self.objective + scalar(expression, "also_minimise", self.known)
 
     def subject_to(self, expression: ca.SX, lower: Floats | float, upper: Floats | float) -> None:
         """Add `lower <= expression <= upper` (scalars or columns)."""
-        column = ca.vec(checked(expression, "subject_to", self._known))
+        column = ca.vec(checked(expression, "subject_to", self.known))
         self.added.append((column, *interval(lower, upper, column.numel())))
 
     def keep_clear(self, gaps: Callable[[ca.SX], ca.SX], convex: bool = False) -> None:
