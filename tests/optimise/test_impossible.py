@@ -289,3 +289,20 @@ def test_a_family_with_fewer_parameters_than_the_demands_fix_numbers_is_refused_
     small = "reference-optimum", "body.vertices=6", "task.transient=true", shapes
     with pytest.raises(InputError, match=r"got 6 \(`ellipse`\) for 8\. Take a larger family \(spline, table"):
         solver_of(problem(*small))
+
+
+def test_a_turn_in_place_that_all_starts_lose_the_motion_for_is_found_by_way_of_an_objective() -> None:
+    """Fixed, the heading lets a pose slip to another root of its step: starts turn by a radian the other way."""
+    asked = (
+        'task.demands=[{kind="reach",target=[0.0,0.0]}]',
+        "task.constraints.heading_change_rad=1.5707",
+        "task.c=0.01",
+    )
+    words = *asked, 'gait.family="fourier-joints"', "task.steps=30"
+    found = solve(problem("reference-optimum", *words), starts=2, seed=1)
+    slipped = [s for s in found.solutions if s is not found.best]
+    assert slipped[0].status is Status.RESIMULATION_DISAGREES
+    assert slipped[0].trajectory.heading_change < -1.0
+    assert found.best.status is Status.SOLVED
+    assert found.best.trajectory.heading_change == pytest.approx(1.5707, abs=1e-8)
+    assert found.best.trajectory.displacement < 1e-7
