@@ -98,7 +98,7 @@ def test_a_failure_whose_residuals_are_no_numbers_is_written_and_shown(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     found, _ = nearest(FAR[1])
-    failed = replace(found, residuals=Residuals(0.0, 0.0, np.nan), polishing_gain=np.nan)
+    failed = replace(found, residuals=Residuals(0.0, 0.0, np.nan), polishing_gain=np.nan, resimulation_error=1.0)
     assert np.isnan(failed.residuals.largest)  # and is not passed over: max(0.0, nan) is 0.0
     record = write_solution(tmp_path, failed, figures=False)
     assert record["kkt"] == {"stationarity": 0.0, "feasibility": 0.0, "complementarity": None}
@@ -306,3 +306,14 @@ def test_a_turn_in_place_that_all_starts_lose_the_motion_for_is_found_by_way_of_
     assert found.best.status is Status.SOLVED
     assert found.best.trajectory.heading_change == pytest.approx(1.5707, abs=1e-8)
     assert found.best.trajectory.displacement < 1e-7
+
+
+def test_the_nearest_gait_has_no_certificate_of_the_gait_in_whose_place_it_stands(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found, _ = nearest(FAR[1])
+    assert found.status is Status.INFEASIBLE
+    record = write_solution(tmp_path, found, figures=False)
+    assert set(record["kkt"].values()) == {record["resimulation_error"]} == {None}
+    assert main(["show", str(tmp_path)]) == 0
+    assert "certificate       none: nothing was confirmed of this gait" in capsys.readouterr().out

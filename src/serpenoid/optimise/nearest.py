@@ -18,6 +18,7 @@ from serpenoid.objectives import Criteria
 from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.certify import missed
 from serpenoid.optimise.interrupt import StopFlag
+from serpenoid.optimise.ipopt import Residuals
 from serpenoid.optimise.multistart import MISSED, MultiStart, Optimum, solve_one
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import GaitSolver
@@ -102,13 +103,14 @@ def softened(customise: Customise | None, turn: float | None = None) -> Customis
 
 
 def _of(solver: GaitSolver, failed: Solution, q: np.ndarray) -> Solution:
-    """The failed solution with another gait and its motion."""
+    """The failed solution with another gait and its motion; what a certificate was asked of the first is not of it."""
     table = solver.table(q)
     meshes, c = solver.on_meshes(q), solver.problem.task.c
     (motion, *_), (mesh, *_) = meshes, solver.mesh_studies(q, meshes)
     return replace(
         failed, gait=solver.family.gait(q), q=q, table=table, trajectory=motion, mesh=mesh,
-        cost=solver.value(q, table, motion, c), missed=missed(solver, q, c),
+        cost=solver.value(q, table, motion, c), missed=missed(solver, q, c), polishing_gain=None,
+        residuals=Residuals(np.nan, np.nan, np.nan), resimulation_error=np.nan,
     )  # fmt: skip
 
 
