@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from pathlib import Path
 
 import casadi as ca
@@ -283,3 +284,12 @@ def test_a_simulation_that_failed_is_written_with_its_reason_and_no_numbers(tmp_
     assert record["status"] == "bad_shape"
     unknown = ("displacement_body_lengths", "dissipation", "cost_of_transport", "lighthill_efficiency")
     assert [record[key] for key in unknown] == [None] * 4
+
+
+@pytest.mark.parametrize(
+    "verb", [sp.measure, sp.fit, sp.compare, sp.diagnose], ids=["measure", "fit", "compare", "diagnose"]
+)
+@pytest.mark.parametrize("given", [None, 3, b"camp", ["camp"]], ids=lambda given: type(given).__name__)
+def test_what_is_no_path_of_a_campaign_is_refused_in_words(verb: Callable[..., object], given: object) -> None:
+    with pytest.raises(InputError, match=f"`campaign` must be the path of a campaign's folder.*{type(given).__name__}"):
+        verb(given)

@@ -17,11 +17,15 @@ def calm() -> None:
     """One thread of linear algebra in each process: on matrices as small as ours more of them wait for one another,
     which takes a third of a diagnosis' processor time. Whoever has set a number keeps it.
 
+    Pictures are written and no window is opened: the backend of a notebook or a profile is of no use here, and one that
+    is not installed would end a command after its work.
+
     Memory that was freed is kept for what comes next, and garbage is looked for less often: a page that the system
     gives anew, or that is touched in a process that has forked others, costs more than what is done in it.
     """
     for name in THREADS:
         os.environ.setdefault(name, "1")
+    os.environ["MPLBACKEND"] = "agg"
     gc.set_threshold(NEW_OBJECTS)
     with suppress(AttributeError, OSError, TypeError):  # another C library
         mallopt = ctypes.CDLL(None).mallopt

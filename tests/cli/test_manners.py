@@ -256,6 +256,16 @@ def test_what_libraries_have_made_is_not_looked_through_as_a_command_ends(tmp_pa
     assert done.stdout == "3 True\n"
 
 
+def test_a_backend_of_somebody_elses_ends_no_command_after_its_work(tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "serpenoid", "simulate", str(PROBLEMS / "reference.toml"), "--out", "out", "--quiet"]
+    elsewhere = {**os.environ, "MPLBACKEND": "module://of_a_notebook"}, {**os.environ, "MPLBACKEND": "nonsense"}
+    for k, environment in enumerate(elsewhere):
+        words[-2] = f"out-{k}"
+        done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert (tmp_path / f"out-{k}" / "motion.png").exists()
+
+
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="other C libraries keep memory as they like")
 def test_memory_that_was_freed_is_kept_for_what_comes_next() -> None:
     import resource

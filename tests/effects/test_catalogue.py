@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -205,3 +206,74 @@ def test_an_effect_whose_file_is_wrong_is_refused_by_its_own_name(broken: type[M
     sizes = (6, 6, 6, 2, SETTING, 2)
     with pytest.raises(TypeError, match=said):
         wrench((effect,), LAWS["viscous"], *(ca.SX.sym("s", size) for size in sizes))
+
+
+STRENGTH = Parameter("strength", "1", 0.0, 1.0, 0.0, 0.1, "of it")
+WHOLE = {"name": "whole", "place": None, "parameters": (STRENGTH,), "looks_like": "nothing", "what_to_do": "nothing"}
+
+
+class _Misspelt(MediumEffect):
+    """Its law has another name than the one that is called."""
+
+    def on_elements(self, element: Element, p: Symbols) -> Element:
+        return element
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"knows": frozenset({"speed", "plaze"})}, "`knows` must be of speed, clock, place, history, got `plaze`"),
+        ({"needs": frozenset({"wheelz"})}, "`needs` must be of servos, .*, got `wheelz`"),
+        ({"place": "joints"}, "`place` must be of None, vertex, joint, got `joints`"),
+        ({"marks": "zero"}, "`marks` must be of None, zeros, .*, got `zero`"),
+        ({"reasons": {"NLP": "why not"}}, "`reasons` must be of simulate, nlp, fit, diagnose, got `NLP`"),
+        ({"parameters": STRENGTH}, "`parameters` must be a tuple of Parameter, got Parameter"),
+    ],
+)
+def test_a_word_of_an_effect_that_nothing_looks_for_is_refused(change: dict[str, Any], said: str) -> None:
+    """Each was an effect that did less than its file says: moved otherwise, was never on offer, or was nowhere."""
+    with pytest.raises(InputError, match=f"effect `whole`: {said}"):
+        _Spread(**WHOLE | change)
+
+
+def test_an_effect_whose_law_is_misspelt_is_refused() -> None:
+    with pytest.raises(InputError, match="_Misspelt must have a method `on_element` or `on_drag`, got none"):
+        _Misspelt(**WHOLE)
+    with pytest.raises(InputError, match="ActuationEffect must have a method `respond`"):
+        ActuationEffect(**WHOLE)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"lower": 1.0, "upper": 0.0}, "`lower` must be below `upper`, got 1 and 0"),
+        ({"neutral": 5.0}, r"`neutral` must be in \[0, 1\], its own bounds, got 5"),
+        ({"typical": 5.0}, r"`typical` must be in \[0, 1\], its own bounds, got 5"),
+        ({"typical": 0.0}, "`typical` must be another value than `neutral`, got 0 twice"),
+        ({"neutral": math.nan}, "`neutral` must be in"),
+    ],
+)
+def test_a_parameter_whose_numbers_contradict_each_other_is_refused(change: dict[str, float], said: str) -> None:
+    with pytest.raises(InputError, match=f"`strength`: {said}"):
+        replace(STRENGTH, **change)
+
+
+@pytest.mark.parametrize(
+    ("site", "effect", "said"),
+    [
+        ("medium", None, "must make one effect, `EFFECT = ...`, got NoneType"),
+        ("medium", _Spread(**WHOLE), "`name` of its EFFECT must be that of the file, got `whole`"),
+        (
+            "actuation",
+            _Spread(**WHOLE | {"name": "slow_joint"}),
+            "must stand in effects/medium, the folder of its site",
+        ),
+    ],
+)
+def test_a_file_without_its_effect_is_named(
+    site: str, effect: object, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name = {"medium": "slope", "actuation": "slow_joint"}[site]
+    monkeypatch.setattr(f"serpenoid.effects.{site}.{name}.EFFECT", effect)
+    with pytest.raises(InputError, match=rf"serpenoid\.effects\.{site}\.{name}: {said}"):
+        catalogue.__wrapped__()

@@ -58,9 +58,9 @@ def test_a_film_that_begins_or_ends_amid_motion_says_nothing_of_the_cycles():
     two = Schedule(serpenoid_table(40), CYCLE_S, PLAYED, 1.0)
     angles = two.commanded(time)
     assert as_filmed(schedule, time, angles).cycles == PLAYED
-    log = ServoLog(time, schedule.commanded(time), None, None, None, None, {}, "log")
+    log = ServoLog(time, schedule.commanded(time), None, None, None, None, "log")
     assert as_filmed(schedule, time, angles, log).cycles == 3  # servos read that the third was played
-    rests = ServoLog(time, angles, None, None, None, None, {}, "log")
+    rests = ServoLog(time, angles, None, None, None, None, "log")
     assert as_filmed(schedule, time, angles, rests).cycles == PLAYED
     for cut in (time > 1.0, time < 6.0, time < 7.5):  # the last ends within what a pause may be
         assert as_filmed(schedule, time[cut], angles[cut]).cycles == 3

@@ -121,6 +121,22 @@ def test_a_number_that_is_too_large_is_told_as_too_large(tmp_path):
         read_servo_log(path)
 
 
+@pytest.mark.parametrize("others", ["load_2", "current_1,load_2", "temperature_1,temperature_2", "error_7"])
+def test_what_nothing_is_computed_of_may_be_there_of_some_servos_and_in_any_form(others, tmp_path):
+    """Servos of several models tell several efforts; a firmware of one's own writes what it likes."""
+    path = tmp_path / "servo.csv"
+    cells = ",".join("hot" for _ in others.split(","))
+    path.write_text(f"t_s,position_1,position_2,{others}\n0,0.1,0.2,{cells}\n1,0.2,0.3,{cells}\n")
+    assert read_servo_log(path).position.tolist() == [[0.1, 0.2], [0.2, 0.3]]
+
+
+def test_commands_are_there_for_every_joint_or_for_none(tmp_path):
+    path = tmp_path / "servo.csv"
+    path.write_text("t_s,position_1,position_2,command_1\n0,0.1,0.2,0.1\n1,0.2,0.3,0.2\n")
+    with pytest.raises(InputError, match="2 columns `position_1`, ... and 1 `command_1`.*one `command` is needed for"):
+        read_servo_log(path)
+
+
 def test_columns_that_servo_log_names_and_a_log_has_not_are_told(tmp_path):
     """A misspelt name would cost the commands without a word; names that nobody gave are no promise."""
     path = tmp_path / "servo.csv"

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from oracle import power_laws
-from serpenoid import load
+from serpenoid import load, media
 from serpenoid.cli.main import main
 from serpenoid.effects.catalogue import find
 from serpenoid.errors import InputError
@@ -83,3 +85,36 @@ def test_units_are_those_of_its_degree() -> None:
     units = {name: find(name).parameters[0].unit_in(CUBIC) for name in ("slope", "inertia", "load")}
     assert units == {"slope": "m3/s3", "inertia": "m2/s", "load": "1"}
     assert not find("dry_friction").acts_in("cubic")
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            {"multiplier": lambda q, s: q / 2},
+            "`multiplier` must be twice the slope of `potential` .*got 0.35 where that is 0.7",
+        ),
+        ({"potential": lambda q, s: q**2}, "`multiplier` must be twice the slope of `potential`"),
+        ({"multiplier": lambda q, s: -q}, "`multiplier` must be above 0, or it drives, got -0.7"),
+        ({"multiplier": lambda q, s: None}, "`multiplier` gives NoneType, no number. Does it lack a `return`"),
+        (
+            {"degree": 3},
+            "`degree` must be that of `potential` .*got 3: twice the slip makes 4 of `multiplier` and not 2",
+        ),
+        ({"degree": 0}, "`degree`, .*, must be above 0, got 0"),
+        ({"slip": "weighted"}, "`slip` must be one of weighed, parts, plain, got 'weighted'"),
+        ({"softened": True}, "`softened` must say .*, got True: `multiplier` does not depend on it"),
+    ],
+)
+def test_a_law_that_contradicts_itself_is_refused(change: dict[str, Any], said: str) -> None:
+    """Each was simulated with one of two formulas that do not agree, without a word."""
+    with pytest.raises(InputError, match=f"law `cubic`: {said}"):
+        replace(CUBIC, **change)
+
+
+def test_a_law_of_another_name_than_its_file_takes_no_other_ones_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(media.viscous, "LAW", replace(CUBIC, name="quadratic"))
+    with pytest.raises(
+        InputError, match=r"media\.viscous: `name` of its LAW must be that of the file, got `quadratic`"
+    ):
+        media._listed()

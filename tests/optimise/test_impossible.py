@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from serpenoid.cli.main import main
 from serpenoid.errors import InputError
 from serpenoid.media import LAWS
 from serpenoid.objectives.term import Played, miss
 from serpenoid.objectives.travel import Travel
+from serpenoid.optimise.ipopt import Residuals
 from serpenoid.optimise.multistart import MultiStart, solve_one
 from serpenoid.optimise.nearest import with_nearest
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve
 from serpenoid.optimise.unmoved import rest_note, there_and_back, why_unmoved
-from serpenoid.results import solution_record
+from serpenoid.results import solution_record, write_solution
 from serpenoid.simulation import simulate_batch
 from serpenoid.simulation.problem import simulate
 from serpenoid.status import Status
@@ -78,6 +81,30 @@ WALLED = (  # a table whose optimum without obstacles leads to what cannot be me
     'task.demands=[{kind="disc",centre=[0.9,0.05],radius=0.2},'
     '{kind="half_plane",point=[0.0,-0.15],normal=[0.0,1.0]}]',
 )  # fmt: skip
+
+
+def test_a_turn_in_place_is_found_though_the_displacement_has_a_kink_there() -> None:
+    """Beside the default objective, minus the displacement, which is zero where the demand holds."""
+    turn = '{kind="reach",target=[0.0,0.0]}'
+    fixed = f"task.demands=[{turn}]", "task.constraints.heading_change_rad=0.5", "task.c=0.01"
+    found = solve(problem("reference-optimum", *fixed, 'gait.family="fourier-joints"', "task.steps=30"), starts=4)
+    assert found.best.status is Status.SOLVED
+    assert found.best.trajectory.displacement < 1e-7
+    assert found.best.trajectory.heading_change == pytest.approx(0.5, abs=1e-8)
+    assert not [s for s in found.solutions if s.ipopt_status == "Invalid_Number_Detected"]
+
+
+def test_a_failure_whose_residuals_are_no_numbers_is_written_and_shown(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found, _ = nearest(FAR[1])
+    failed = replace(found, residuals=Residuals(0.0, 0.0, np.nan), polishing_gain=np.nan, resimulation_error=1.0)
+    assert np.isnan(failed.residuals.largest)  # and is not passed over: max(0.0, nan) is 0.0
+    record = write_solution(tmp_path, failed, figures=False)
+    assert record["kkt"] == {"stationarity": 0.0, "feasibility": 0.0, "complementarity": None}
+    assert record["polishing_gain"] is None
+    assert main(["show", str(tmp_path)]) == 0
+    assert "KKT not a number" in capsys.readouterr().out
 
 
 @pytest.mark.slow
@@ -262,3 +289,31 @@ def test_a_family_with_fewer_parameters_than_the_demands_fix_numbers_is_refused_
     small = "reference-optimum", "body.vertices=6", "task.transient=true", shapes
     with pytest.raises(InputError, match=r"got 6 \(`ellipse`\) for 8\. Take a larger family \(spline, table"):
         solver_of(problem(*small))
+
+
+def test_a_turn_in_place_that_all_starts_lose_the_motion_for_is_found_by_way_of_an_objective() -> None:
+    """Fixed, the heading lets a pose slip to another root of its step: starts turn by a radian the other way."""
+    asked = (
+        'task.demands=[{kind="reach",target=[0.0,0.0]}]',
+        "task.constraints.heading_change_rad=1.5707",
+        "task.c=0.01",
+    )
+    words = *asked, 'gait.family="fourier-joints"', "task.steps=30"
+    found = solve(problem("reference-optimum", *words), starts=2, seed=1)
+    slipped = [s for s in found.solutions if s is not found.best]
+    assert slipped[0].status is Status.RESIMULATION_DISAGREES
+    assert slipped[0].trajectory.heading_change < -1.0
+    assert found.best.status is Status.SOLVED
+    assert found.best.trajectory.heading_change == pytest.approx(1.5707, abs=1e-8)
+    assert found.best.trajectory.displacement < 1e-7
+
+
+def test_the_nearest_gait_has_no_certificate_of_the_gait_in_whose_place_it_stands(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found, _ = nearest(FAR[1])
+    assert found.status is Status.INFEASIBLE
+    record = write_solution(tmp_path, found, figures=False)
+    assert set(record["kkt"].values()) == {record["resimulation_error"]} == {None}
+    assert main(["show", str(tmp_path)]) == 0
+    assert "certificate       none: nothing was confirmed of this gait" in capsys.readouterr().out

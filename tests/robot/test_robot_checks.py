@@ -97,6 +97,11 @@ def test_wrong_shape(angles):
     says(refusal, "all joints, all steps", "steps x joints", "10 joints and needs at least 2 steps", "Use a table")
 
 
+def test_a_table_of_more_joints_than_the_robot_has_says_what_to_do_of_dead_servos():
+    (refusal,) = check_table(gait(joints=12), robot(), 5.0, 11.1)
+    says(refusal, "20 x 12", "without its dead servos: a body whose `joints` leave them out")
+
+
 def test_bus_too_slow_for_the_rows():
     data = read_toml(ROBOT_FILE)
     data["bus"]["baud_rate"] = 57600

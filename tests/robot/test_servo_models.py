@@ -15,6 +15,7 @@ from wire import recorded_play
 from serpenoid.cli.main import main
 from serpenoid.errors import InputError
 from serpenoid.files.schema import load, read_toml, validate
+from serpenoid.measure.logs import read_servo_log
 from serpenoid.robot import models as package
 from serpenoid.robot.checks import check_table
 from serpenoid.robot.description import Robot
@@ -233,6 +234,8 @@ def test_a_chain_of_two_models_is_played_and_each_servo_is_asked_by_its_own(tmp_
     assert header[header.index("voltage_10") + 1 :][:10] == [
         f"{'current' if j == 5 else 'load'}_{j}" for j in range(1, 11)
     ]
+    read = read_servo_log(tmp_path / "log" / "servo.csv")  # a campaign takes what `play` wrote
+    assert read.position.shape == (len(rows), 10)
     unit = max(float(row["current_5"]) for row in rows) / XM430.effort.per_unit
     assert unit == pytest.approx(round(unit), abs=0.2)  # the log has milliamperes
 

@@ -80,6 +80,13 @@ def test_a_bad_gait_in_a_batch_with_effects_spoils_no_other() -> None:
     np.testing.assert_allclose(batch.poses[0], sp.simulate_joint_angles(model, good).poses, atol=1e-12)
 
 
+@pytest.mark.parametrize("name", DOORS)
+def test_complex_angles_are_refused_and_not_cut_to_their_real_part(name: str) -> None:
+    """`fft` without `.real` gives them; cut, they may be a body that never moves."""
+    with pytest.raises(InputError, match=rf"`{name}` must be an array of numbers .*got complex ones\. Take the real"):
+        DOORS[name](reference(), 1j * np.ones((20, 10)))
+
+
 def test_a_certificate_of_what_is_no_number_names_the_table() -> None:
     asked = problem("reference")
     table = sp.simulate(asked).table

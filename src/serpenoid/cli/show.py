@@ -14,7 +14,7 @@ from typing import Any
 from serpenoid.cli import options
 from serpenoid.cli.claim import REQUEST
 from serpenoid.cli.goals import dissipation_name, goal_lines, in_cycles
-from serpenoid.cli.starts import bound_lines, note_lines, starts_lines
+from serpenoid.cli.starts import bound_lines, certificate_line, note_lines, starts_lines
 from serpenoid.cli.sweep import beside_lines
 from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
 from serpenoid.media import DEFAULT, LAWS
@@ -115,11 +115,14 @@ def _lines(folder: Path, record: dict[str, Any]) -> list[str]:
         *note_lines(record.get("note")),
     ]
     if record["kind"] == "optimum":
-        kkt, gain = max(record["kkt"].values()), record["polishing_gain"]
+        residuals, gain = list(record["kkt"].values()), record["polishing_gain"]
+        kkt = "not a number" if None in residuals else f"{max(residuals):.1e}"
+        moved = record["resimulation_error"]
         lines += [
             f"cost              {_short(record['cost'])} at c = {record['c']:g}",
-            f"certificate       KKT {kkt:.1e}, re-simulation {_short(record['resimulation_error'])}, "
-            f"polishing gain {'not tried' if gain is None else _short(gain)}",
+            certificate_line(
+                kkt, None if moved is None else _short(moved), "not tried" if gain is None else _short(gain)
+            ),
             f"mesh              {_mesh(record['mesh'])}",
         ]
     return lines + (starts_lines(record) if record.get("multi_start") else [])

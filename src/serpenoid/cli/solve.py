@@ -28,13 +28,22 @@ Ctrl-C keeps the best so far (a better one that is there from before stays) and 
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import options
 from serpenoid.cli.claim import sign
 from serpenoid.cli.iterations import Iterations
-from serpenoid.cli.starts import MOST_BOUNDS, bound_lines, note_lines, refinement, starts_lines, summary
+from serpenoid.cli.starts import (
+    MOST_BOUNDS,
+    bound_lines,
+    certificate_line,
+    note_lines,
+    refinement,
+    starts_lines,
+    summary,
+)
 from serpenoid.wording import counted
 
 if TYPE_CHECKING:
@@ -287,6 +296,8 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: 
     from serpenoid.trajectory import floor_lines
 
     gain = "not tried" if best.polishing_gain is None else f"{best.polishing_gain:.1e}"
+    kkt = "not a number" if math.isnan(best.residuals.largest) else f"{best.residuals.largest:.1e}"
+    moved = best.resimulation_error
     seconds, task = sum(s.seconds for s in result.solutions), best.problem.task
     kept = f", {result.kept} of them kept from an earlier run" * bool(result.kept)
     finer = "" if refined is None else f", {refined.seconds:.2f} s for finer meshes"
@@ -307,8 +318,7 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: 
         *floor_lines(best.trajectory),
         f"gait              {best.gait.words}",
         *bound_lines(best.at_bounds),
-        f"certificate       KKT {best.residuals.largest:.1e}, re-simulation {best.resimulation_error:.1e}, "
-        f"polishing gain {gain}",
+        certificate_line(kkt, None if math.isnan(moved) else f"{moved:.1e}", gain),
         *clear_lines(best.clearance, best.fine_clearance, best.self_clearance, best.mesh.steps, "--refine"),
         *mesh_lines(best.mesh, record["goals"], "--refine"),
         *_optimum_lines(best, refined),

@@ -39,6 +39,13 @@ def refinement(refined: Refined) -> dict[str, Any]:
     }
 
 
+def certificate_line(kkt: str, moved: str | None, gain: str) -> str:
+    """How a gait fared with which an NLP ended; moved: the difference of poses, None of a gait that took its place."""
+    if moved is None:
+        return "certificate       none: nothing was confirmed of this gait"
+    return f"certificate       KKT {kkt}, re-simulation {moved}, polishing gain {gain}"
+
+
 def starts_lines(record: dict[str, Any]) -> list[str]:
     """Which optima the starts found, what kept the others from being one, and whether better ones were refused."""
     found, steps = record["multi_start"], record["mesh"]["steps"][0]

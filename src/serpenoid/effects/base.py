@@ -7,10 +7,10 @@ or a power of it where the neutral value is infinite (a grip that never saturate
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal, get_args
 
 import casadi as ca
 import numpy as np
@@ -20,12 +20,15 @@ from serpenoid.effects.element import Drag, Element
 from serpenoid.effects.scan import Scan
 from serpenoid.effects.units import times_speed
 from serpenoid.effects.view import View
+from serpenoid.errors import InputError
 from serpenoid.media import LAWS, Law
 
 Site = Literal["actuation", "medium", "observation"]
 Marks = Literal["zeros", "gaps", "markers", "ahead", "scale", "axes", "rate", "frame", "jumps"]
 Values = Mapping[str, float]
 Symbols = SimpleNamespace
+Place = Literal["vertex", "joint"]
+Knows = Literal["speed", "clock", "place", "history"]
 USES = ("simulate", "nlp", "fit", "diagnose")
 
 
@@ -55,6 +58,18 @@ class Parameter:
     resolution: float = 0.0
     over_drag: bool = False
     across: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.lower < self.upper:
+            raise InputError(f"`{self.name}`: `lower` must be below `upper`, got {self.lower:g} and {self.upper:g}.")
+        for word, value in (("neutral", self.neutral), ("typical", self.typical)):
+            if value is not None and not self.lower <= value <= self.upper:
+                inside = f"[{self.lower:g}, {self.upper:g}]"
+                raise InputError(f"`{self.name}`: `{word}` must be in {inside}, its own bounds, got {value:g}.")
+        if self.typical == self.neutral:
+            raise InputError(
+                f"`{self.name}`: `typical` must be another value than `neutral`, got {self.typical:g} twice."
+            )
 
     def unit_in(self, law: Law) -> str:
         """The unit in a medium of this law: a force over the drag level is a speed to the power of (degree - 1)."""
@@ -111,7 +126,7 @@ class Effect:
     """
 
     name: str
-    place: Literal["vertex", "joint"] | None
+    place: Place | None
     parameters: tuple[Parameter, ...]
     looks_like: str
     what_to_do: str
@@ -121,6 +136,31 @@ class Effect:
     rank: int = 10
     marks: Marks | None = None
     scan: Scan | None = None
+    laws: ClassVar[tuple[str, ...]] = ()  # methods, of which it must have one of its own
+
+    def __post_init__(self) -> None:
+        """InputError where its file says what nothing looks for, or has no law: the effect would do nothing."""
+        if not isinstance(self.parameters, tuple) or not self.parameters:
+            got = type(self.parameters).__name__
+            raise InputError(f"effect `{self.name}`: `parameters` must be a tuple of Parameter, got {got}.")
+        for key, words, known in self.vocabulary:
+            for word in words - set(known):
+                may = ", ".join(map(str, known))
+                raise InputError(f"effect `{self.name}`: `{key}` must be of {may}, got `{word}`.")
+        own = type(self)
+        if self.laws and all(getattr(own, law).__module__ == __name__ for law in self.laws):
+            methods = "` or `".join(self.laws)
+            raise InputError(f"effect `{self.name}`: {own.__name__} must have a method `{methods}`, got none.")
+
+    @property
+    def vocabulary(self) -> list[tuple[str, Set[Any], tuple[Any, ...]]]:
+        """Keys whose words others look for: what is said there, what may be."""
+        return [
+            ("place", {self.place}, (None, *get_args(Place))),
+            ("marks", {self.marks}, (None, *get_args(Marks))),
+            ("needs", self.needs, get_args(Part)),
+            ("reasons", self.reasons.keys(), USES),
+        ]
 
     @property
     def site(self) -> Site:
@@ -192,11 +232,17 @@ class MediumEffect(Effect):
     costly: whether it takes a step much longer, so that bodies without it have compiled steps of their own.
     """
 
-    knows: frozenset[str] = frozenset()
+    knows: frozenset[Knows] = frozenset()
     scales_ratio: bool = False
     of_degree: int | None = None
     of_the_law: bool = False
     costly: bool = False
+    laws: ClassVar[tuple[str, ...]] = ("on_element", "on_drag")
+
+    @property
+    def vocabulary(self) -> list[tuple[str, Set[Any], tuple[Any, ...]]]:
+        """And what it knows: of another word nothing would be told to it."""
+        return [*super().vocabulary, ("knows", self.knows, get_args(Knows))]
 
     @property
     def site(self) -> Site:
@@ -300,6 +346,7 @@ class ActuationEffect(Effect):
     limits: bool = False
     dead_time: bool = False
     needs_seconds: bool = False
+    laws: ClassVar[tuple[str, ...]] = ("respond",)
 
     @property
     def site(self) -> Site:
@@ -343,6 +390,8 @@ class ActuationEffect(Effect):
 @dataclass(frozen=True, eq=False)
 class ObservationEffect(Effect):
     """Motion to data: what cameras and clocks make of it. Everything in SI, by numbers."""
+
+    laws: ClassVar[tuple[str, ...]] = ("on_view",)
 
     @property
     def site(self) -> Site:

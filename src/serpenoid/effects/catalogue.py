@@ -21,9 +21,14 @@ def catalogue() -> dict[str, Effect]:
     for site in SITES:
         package = importlib.import_module(f"serpenoid.effects.{site}")
         for module in sorted(pkgutil.iter_modules(package.__path__), key=lambda m: m.name):
-            effect = importlib.import_module(f"{package.__name__}.{module.name}").EFFECT
-            if effect.name != module.name or effect.site != site:
-                raise ValueError(f"{package.__name__}.{module.name}: holds `{effect.name}` of site `{effect.site}`")
+            file = f"{package.__name__}.{module.name}"
+            effect = getattr(importlib.import_module(file), "EFFECT", None)
+            if not isinstance(effect, Effect):
+                raise InputError(f"{file}: must make one effect, `EFFECT = ...`, got {type(effect).__name__}.")
+            if effect.name != module.name:
+                raise InputError(f"{file}: `name` of its EFFECT must be that of the file, got `{effect.name}`.")
+            if effect.site != site:
+                raise InputError(f"{file}: must stand in effects/{effect.site}, the folder of its site.")
             found[effect.name] = effect
     return found
 

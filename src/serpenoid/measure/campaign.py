@@ -165,6 +165,9 @@ class CampaignFile(Record):
 
 def load_campaign_file(path: str | Path) -> tuple[CampaignFile, Path]:
     """Read `campaign.toml` (or the folder it is in). Returns it and the folder its paths are relative to."""
+    if not isinstance(path, str | Path):
+        wanted = "the path of a campaign's folder, or of its campaign.toml"
+        raise InputError(f"`campaign` must be {wanted}, got {type(path).__name__}.")
     named, path = str(path), Path(path)
     cure = "`serpenoid new campaign` writes one to start from; docs/campaign-format.md says what is in it."
     if not named or not path.exists():  # an empty name would be the folder one is in

@@ -25,7 +25,6 @@ from serpenoid.measure.columns import (
 LARGEST_W = 10_000.0  # of any robot that is meant here
 SPIKE, SPIKE_SHARE = 50.0, 0.02  # times the median and of the energy: all servos stalled draw 48 times the idle power
 LIMIT_RAD = 2 * np.pi  # a joint angle beyond a full turn is in degrees or ticks
-EXTRA = ("voltage", "load", "temperature", "error")
 READ_AS_WRITTEN = ServoKeys()
 TICK = RADIANS["ticks"]  # rad: the step of a servo's reading
 TEN_BITS = 1023  # ticks: the last of an AX servo
@@ -47,7 +46,6 @@ class ServoLog:
     phase: tuple[str, ...] | None  # approach, play, pause, end
     cycle: Floats | None
     step: Floats | None
-    extra: dict[str, Floats]  # voltage_V, load, temperature_degC, error: (R, m)
     source: str
     repeated: int = 0
     absent: tuple[str, ...] = ()
@@ -86,7 +84,8 @@ class PowerLog:
 
 def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> ServoLog:
     """Read a servo log; only time and positions are required; it may end in the middle of a row. A row that is the one
-    before to the last character is that row."""
+    before to the last character is that row. Voltage, load, current, temperature and errors are not looked at: nothing
+    is computed of them, and servos of several models tell several of them."""
     path, own = Path(path), keys.columns
     rows = read_rows(path, live=True)
     header = [cell.strip() for cell in rows[0]]
@@ -95,13 +94,11 @@ def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> Servo
         wanted = f"no column `{own.time}`" if position else f"no column is called `{own.position}`"
         raise InputError(f"{path}: row 1: {wanted}; the log has {shown(header)}. {OWN_NAMES}")
     groups = {"position": position, "command": numbered(header, own.command, "command", path)}
-    groups |= {name: numbered(header, f"{name}_*", name, path) for name in EXTRA}
-    for role, names in groups.items():
-        if names and len(names) != len(position):
-            raise InputError(
-                f"{path}: row 1: {len(position)} columns `{position[0]}`, ... and {len(names)} `{names[0]}`, ...: "
-                f"one `{role}` is needed for every joint."
-            )
+    if groups["command"] and len(groups["command"]) != len(position):
+        raise InputError(
+            f"{path}: row 1: {len(position)} columns `{position[0]}`, ... and {len(groups['command'])} "
+            f"`{groups['command'][0]}`, ...: one `command` is needed for every joint."
+        )
     refuse_other_unit([own.time], keys.time_unit, SECONDS, "time_unit", path)
     refuse_other_unit([*position, *groups["command"]], keys.angle_unit, RADIANS, "angle_unit", path)
     single = [name for name in (own.cycle, own.step) if name in header]
@@ -128,7 +125,6 @@ def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> Servo
             phase,
             column.get(own.cycle),
             column.get(own.step),
-            {name: read[name] for name in EXTRA if name in read},
             str(path),
             len(data) - len(once),
             _absent(own, header, groups["command"]),
@@ -185,7 +181,6 @@ def _read_whole(log: ServoLog, called: list[str], once: NDArray[np.int64]) -> Se
         phase=None if log.phase is None else tuple(log.phase[row] for row in kept),
         cycle=rows(log.cycle),
         step=rows(log.step),
-        extra={name: values[kept] for name, values in log.extra.items()},
     )
 
 

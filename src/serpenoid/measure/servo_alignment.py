@@ -81,7 +81,7 @@ def align_commands(
     """
     told = np.arange(-schedule.pause_s - STILL_S, schedule.whole_s + STILL_S, np.diff(time_s).min())
     angles = schedule.commanded(told + schedule.start_s)
-    log = ServoLog(told, angles, None, None, None, None, {}, "joint table")
+    log = ServoLog(told, angles, None, None, None, None, "joint table")
     found, complaints = align_servo(body, estimate, markers, time_s, log)
     if found is None:
         return None, [said.replace("servo log", "joint table") for said in complaints]

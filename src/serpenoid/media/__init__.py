@@ -8,6 +8,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 
+from serpenoid.errors import InputError
 from serpenoid.media.base import Law, Rival
 from serpenoid.media.viscous import LAW as VISCOUS
 
@@ -18,9 +19,14 @@ DEFAULT = VISCOUS.name  # of a file that names none
 
 def _listed() -> dict[str, Law]:
     """All laws by name, the default first."""
-    names = sorted(module.name for module in pkgutil.iter_modules(__path__))
-    found = [getattr(importlib.import_module(f"{__name__}.{name}"), "LAW", None) for name in names]
-    return {law.name: law for law in sorted((x for x in found if x is not None), key=lambda law: law.name != DEFAULT)}
+    found = {}
+    for module in sorted(module.name for module in pkgutil.iter_modules(__path__)):
+        law = getattr(importlib.import_module(f"{__name__}.{module}"), "LAW", None)
+        if law is not None:
+            if law.name != module:
+                raise InputError(f"{__name__}.{module}: `name` of its LAW must be that of the file, got `{law.name}`.")
+            found[law.name] = law
+    return {law.name: law for law in sorted(found.values(), key=lambda law: law.name != DEFAULT)}
 
 
 LAWS: dict[str, Law] = _listed()

@@ -17,11 +17,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
+
+from serpenoid.errors import InputError
 
 Quantity = Any  # a number, an array or a symbol of CasADi's
 Slip = Literal["weighed", "parts", "plain"]
 OfSlip = Callable[[Quantity, Quantity], Quantity]
+
+
+TRIED = 0.7, 0.03  # squared slip and softening length at which a law is tried: of no meaning
+CLOSE = 1e-6  # far above the error of a central difference of steps of 1e-4 (1e-8), far below any mistake of a formula
 
 
 @dataclass(frozen=True)
@@ -58,6 +64,11 @@ class Law:
     softer: Law | None = None
     rival: Rival | None = None
 
+    def __post_init__(self) -> None:
+        fault = _fault(self)
+        if fault:
+            raise InputError(f"law `{self.name}`: {fault}.")
+
     @property
     def variational(self) -> bool:
         """Whether its wrench is the slope of its cost."""
@@ -88,3 +99,46 @@ class Law:
     def linear(self) -> bool:
         """Whether forces are proportional to slips: a step's energy is quadratic, eps the drag of a straight body."""
         return self.degree == 2 and not self.softened
+
+
+def _fault(law: Law) -> str | None:
+    """What two functions, a degree and two words contradict each other in: simulation and NLP would not agree."""
+    if law.slip not in get_args(Slip):
+        return f"`slip` must be one of {', '.join(get_args(Slip))}, got {law.slip!r}"
+    if not law.degree > 0:
+        return f"`degree`, of the potential in the displacement, must be above 0, got {law.degree}"
+    (q, s), (m, p) = TRIED, (_number(law, "multiplier"), _number(law, "potential"))
+    if not m(q, s) > 0:
+        return f"`multiplier` must be above 0, or it drives, got {m(q, s):g}"
+    slope = (p(q + 1e-4, s) - p(q - 1e-4, s)) / 1e-4
+    if law.variational and abs(slope - m(q, s)) > CLOSE * m(q, s):
+        return (
+            f"`multiplier` must be twice the slope of `potential` in the squared slip, got {m(q, s):.6g} where that is "
+            f"{slope:.6g}, at a squared slip of {q:g}"
+        )
+    growth, wanted = m(4 * q, 2 * s) / m(q, s), 2 ** (law.degree - 2)
+    if abs(growth - wanted) > CLOSE * wanted:
+        return (
+            f"`degree` must be that of `potential` in slip and softening together, got {law.degree:g}: twice the slip "
+            f"makes {growth:.6g} of `multiplier` and not {wanted:.6g}"
+        )
+    if law.softened is not (m(q, 2 * s) != m(q, s)):
+        knows = "depends" if not law.softened else "does not depend"
+        return (
+            f"`softened` must say whether the softening length matters, got {law.softened}: `multiplier` {knows} on it"
+        )
+    return None
+
+
+def _number(law: Law, name: str) -> Callable[[float, float], float]:
+    """One of its functions, of numbers; InputError where that gives none."""
+
+    def at(q: float, s: float) -> float:
+        value = getattr(law, name)(q, s)
+        try:
+            return float(value)
+        except TypeError:
+            cure = "Does it lack a `return`?"
+            raise InputError(f"law `{law.name}`: `{name}` gives {type(value).__name__}, no number. {cure}") from None
+
+    return at

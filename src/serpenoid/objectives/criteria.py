@@ -21,6 +21,8 @@ from serpenoid.objectives.checked import expression as checked
 from serpenoid.objectives.checked import interval, scalar
 from serpenoid.objectives.frames import composed, place, placed
 
+NOWHERE = 1e-180  # body lengths^2: far below rounding; its power -3/2, in second derivatives, is finite
+
 
 @dataclass(frozen=True)
 class Gaps:
@@ -98,14 +100,17 @@ class Criteria:
         self.objective = ca.SX(0)
 
     @cached_property
-    def _known(self) -> set[int]:
+    def known(self) -> set[int]:
         """All symbols, by element."""
         return {element.element_hash() for element in ca.symvar(ca.vertcat(*self.inputs))}
 
     @property
     def displacement(self) -> ca.SX:
-        """Distance of the centroid over the cycle, along the floor [body lengths]."""
-        return ca.norm_2(self.poses[:2, -1])
+        """Distance of the centroid over the cycle, along the floor [body lengths].
+
+        Its slope at a distance of exactly zero, where a search for a turn in place ends, is zero and not 0 / 0.
+        """
+        return ca.sqrt(ca.fmax(ca.sumsqr(self.poses[:2, -1]), NOWHERE))
 
     @property
     def heading_change(self) -> ca.SX:
@@ -159,15 +164,15 @@ class Criteria:
 
     def minimise(self, expression: ca.SX) -> None:
         """Replace the objective."""
-        self.objective = scalar(expression, "minimise", self._known)
+        self.objective = scalar(expression, "minimise", self.known)
 
     def also_minimise(self, expression: ca.SX) -> None:
         """Add to the objective."""
-        self.objective = self.objective + scalar(expression, "also_minimise", self._known)
+        self.objective = self.objective + scalar(expression, "also_minimise", self.known)
 
     def subject_to(self, expression: ca.SX, lower: Floats | float, upper: Floats | float) -> None:
         """Add `lower <= expression <= upper` (scalars or columns)."""
-        column = ca.vec(checked(expression, "subject_to", self._known))
+        column = ca.vec(checked(expression, "subject_to", self.known))
         self.added.append((column, *interval(lower, upper, column.numel())))
 
     def keep_clear(self, gaps: Callable[[ca.SX], ca.SX], convex: bool = False) -> None:

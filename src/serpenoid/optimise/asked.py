@@ -5,8 +5,10 @@ Legend: B gaits, T steps, m joints, R rows, n gait parameters.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import cast
 
 import casadi as ca
 import numpy as np
@@ -18,7 +20,8 @@ from serpenoid.gaits.lifted import LiftedFamily
 from serpenoid.mechanics import functions, kinematics
 from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model
-from serpenoid.objectives import Criteria
+from serpenoid.objectives import Criteria, Demand, Term
+from serpenoid.objectives.checked import scalar
 from serpenoid.optimise.customised import Customise, add_own
 from serpenoid.problem import Task
 from serpenoid.simulation.rollout import Batch
@@ -91,13 +94,32 @@ def asked(task: Task, family: GaitFamily, customise: Customise | None = None, mo
     sizes = steps, family.rows, family.joints, family.size
     criteria = Criteria(*sizes, family.names, chain, family.pose_size, raised)
     for term in task.objectives:
-        criteria.also_minimise(term.weight * term.expression(criteria))
+        criteria.also_minimise(term.weight * _value(term, criteria))
     criteria.also_minimise(criteria.c * criteria.dissipation)
     for demand in task.demands:
-        demand.require(criteria)
+        _require(demand, criteria)
     if customise is not None:
         add_own(customise, criteria)
     return Asked(criteria)
+
+
+def _value(term: Term, criteria: Criteria) -> ca.SX:
+    """What a term gives; InputError, by its kind, where that is no number of the criteria."""
+    name, value = f"[[task.objectives]] `{term.kind}`: `expression`", cast("ca.SX | None", term.expression(criteria))
+    if value is None:
+        raise InputError(f"{name} must give back a number, got None. Does it lack a `return`?")
+    return scalar(value, name, criteria.known)
+
+
+def _require(demand: Demand, criteria: Criteria) -> None:
+    """Let a demand ask; InputError, by its kind, where it gives back what is not looked at."""
+    require: Callable[[Criteria], object] = demand.require
+    returned = require(criteria)
+    if returned is not None:
+        got = f"gave back {type(returned).__name__}, which is not looked at"
+        raise InputError(
+            f"[[task.demands]] `{demand.kind}`: `require` {got}. Call of.subject_to(..., lower, upper) in it."
+        )
 
 
 def _raised(model: Model, family: LiftedFamily, gait: ca.SX, row: int) -> ca.SX:

@@ -89,8 +89,8 @@ class Residuals:
 
     @property
     def largest(self) -> float:
-        """The largest of the three."""
-        return max(self.stationarity, self.feasibility, self.complementarity)
+        """The largest of the three; NaN where one of them is none, which Python's own `max` may pass over."""
+        return float(np.max([self.stationarity, self.feasibility, self.complementarity]))
 
 
 @dataclass(frozen=True)
@@ -188,9 +188,9 @@ class Ipopt:
         slope = (gradient + jacobian.T @ ca.DM(point.lam_g)).full()[:, 0] + point.lam_x
         value = g.full()[:, 0]
         violation = [bounds.lbg - value, value - bounds.ubg, bounds.lbx - point.x, point.x - bounds.ubx]
-        feasibility = max(float(np.max(v, initial=0.0)) for v in violation)
+        feasibility = float(np.max([np.max(v, initial=0.0) for v in violation]))
         pairs = [(point.lam_x, point.x, bounds.lbx, bounds.ubx), (point.lam_g, value, bounds.lbg, bounds.ubg)]
-        complementarity = max(_complementarity(*pair) for pair in pairs)
+        complementarity = float(np.max([_complementarity(*pair) for pair in pairs]))
         return Residuals(float(np.max(np.abs(slope), initial=0.0)), feasibility, complementarity)
 
     def _seen(self, nlp: NLP) -> dict[str, ca.Function]:

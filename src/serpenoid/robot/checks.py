@@ -158,9 +158,10 @@ def _check_shape(angles: NDArray[np.float64], robot: Robot) -> list[Refusal]:
         return []
     value = f"the table is {' x '.join(map(str, angles.shape))} (steps x joints)"
     limit = f"robot `{robot.name}` has {counted(len(robot.joint), 'joint')} and needs at least 2 steps"
-    return [
-        Refusal("all joints, all steps", value, limit, "Use a table of this robot's body, or the right --robot file.")
-    ]
+    cure = "Use a table of this robot's body, or the right --robot file."
+    if joints > len(robot.joint):
+        cure += " Of a robot without its dead servos: a body whose `joints` leave them out (docs/robot.md)."
+    return [Refusal("all joints, all steps", value, limit, cure)]
 
 
 def check_finite(angles: NDArray[np.float64]) -> list[Refusal]:

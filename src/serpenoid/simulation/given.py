@@ -20,6 +20,8 @@ def model_of(model: Model) -> Model:
 def shaped(name: str, values: Floats, shape: Sequence[int], least: int = 1) -> Floats:
     """`values` as floats of that shape, where -1 stands for `least` or more; they need not be finite."""
     try:
+        if np.iscomplexobj(values):  # NumPy would drop the imaginary part, with a warning at most
+            raise TypeError("got complex ones. Take the real part where that is what is meant")
         values = np.asarray(values, float)
     except (TypeError, ValueError) as fault:
         raise InputError(f"`{name}` must be an array of numbers of shape {_words(shape, least)}: {fault}.") from None
