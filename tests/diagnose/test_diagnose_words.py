@@ -182,6 +182,15 @@ def test_k_of_dry_friction_is_not_told_as_one_of_drag() -> None:
     assert drag_ratio(record | by_windows) == "2.719 (95 %: 2.718 .. 2.72) if dry friction is all there is"
 
 
+def test_where_drag_leaves_nothing_the_k_that_dry_friction_would_have_is_told() -> None:
+    """At small slip angles its forces of 1 to K are those of drag of 1 to K^2, so no window asks which law it is."""
+    law = {"name": "viscous", "open": True, "rivals": {}}
+    record = {"drag_ratio": {"value": 81.0, "interval": [70.0, 104.0]}, "law": law, "effects": []}
+    assert "is all there is; about 9, its root, if dry friction is" in drag_ratio(record)
+    for other in ({"open": False}, {"name": "coulomb"}, {"rivals": {"coulomb": "misses windows by more"}}):
+        assert "root" not in drag_ratio(record | {"law": law | other})
+
+
 def test_k_beside_what_is_named_is_that_of_the_ratio_on_the_same_screen() -> None:
     record = {"drag_ratio": {"value": 2.361, "interval": [2.35, 2.373]}, "law": {"name": "viscous"}, "effects": [1]}
     said = drag_ratio(record | {"anisotropy_ratio": {"after": 0.5, "interval": [0.4, 0.8]}})

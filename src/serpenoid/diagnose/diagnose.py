@@ -358,7 +358,10 @@ def record(d: Diagnosis) -> dict[str, Any]:
             "effects": [plain(e) for e in d.baseline.known],
             "anisotropy_ratio": d.baseline.model.medium.anisotropy_ratio,
         },
-        "law": {"name": law, "taken": taken or None, "rivals": rivals, "drag_at": d.motion.stage.drag_at},
+        "law": {
+            "name": law, "taken": taken or None, "rivals": rivals, "drag_at": d.motion.stage.drag_at,
+            "open": d.baseline.law_open,
+        },
         "discrepancy_m": d.motion.stage.discrepancy_m,
         "parts_differ_by": d.motion.stage.unlike or None,
         "may_differ_by": d.grows or None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from math import hypot
 
 from serpenoid.diagnose.data.repeats import UNLIKE
@@ -383,11 +384,21 @@ def drag_ratio(record: Record) -> str:
     how = ", frame by frame as in `fit`" if ratio.get("by_frames", True) else ""  # older answers do not say
     interval = f"(95 %: {low:.4g} .. {high:.4g}{how})"
     if not record["effects"]:
-        return f"{ratio['value']:.4g} {interval} if {law(record)} is all there is"
+        return f"{ratio['value']:.4g} {interval} if {law(record)} is all there is{_of_dry_friction(record)}"
     eps = record["anisotropy_ratio"]
     least, most = eps["interval"]
     named = f"{1 / eps['after']:.4g} (95 %: {1 / most:.4g} .. {1 / least:.4g}) beside what is named"
     return f"{named}; {ratio['value']:.4g} if {law(record)} were all there is"
+
+
+def _of_dry_friction(record: Record) -> str:
+    """K of forces that dry friction would have, where no file says which law it is and windows had no reason to ask. At
+    small slip angles dry friction with forces 1 to K is drag of 1 to K^2 (`media/coulomb.py`)."""
+    asked = record["law"]
+    if asked["name"] != DEFAULT or not asked.get("open") or asked.get("rivals"):  # older answers do not say
+        return ""
+    root = math.sqrt(record["drag_ratio"]["value"])
+    return f"; about {root:.2g}, its root, if dry friction is, which may leave as little here"
 
 
 def chance(record: Record) -> list[str]:
