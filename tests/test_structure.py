@@ -47,7 +47,7 @@ MAY_IMPORT = {
     "errors": set(),
     "wording": set(),
     "status": set(),
-    "media": set(),
+    "media": {"errors"},
     "effects": {"body", "files", "errors", "media"},
     "model": LEFT_OF_MODELS | {"effects", "media"},
     "trajectory": LEFT_OF_MODELS,
