@@ -55,3 +55,9 @@ def test_a_bus_has_its_turn_first_where_the_system_lets_it_and_afterwards_as_bef
     with before_other_programs():
         assert now == [(os.SCHED_RR, 1) if may else (os.SCHED_OTHER, 0)]
     assert now == [(os.SCHED_OTHER, 0)]
+
+
+def test_a_system_without_such_policies_plays_all_the_same(monkeypatch):
+    monkeypatch.delattr(os, "sched_getscheduler", raising=False)
+    with before_other_programs():
+        pass

@@ -27,16 +27,16 @@ def older_objects_left_alone() -> Iterator[None]:
 @contextmanager
 def before_other_programs() -> Iterator[None]:
     """This program has its turn before all others, where the system lets it ask for that: a bus does not wait."""
-    if not hasattr(os, "sched_setscheduler"):
-        yield
-        return
-    usual = os.sched_getscheduler(0), os.sched_getparam(0)
-    with suppress(OSError):  # a user without that right: as any other program
+    usual = None
+    with suppress(OSError, AttributeError):  # a user without that right, or another system: as any other program
+        usual = os.sched_getscheduler(0), os.sched_getparam(0)
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
     try:
         yield
     finally:
-        os.sched_setscheduler(0, *usual)
+        if usual is not None:
+            with suppress(OSError):
+                os.sched_setscheduler(0, *usual)
 
 
 @dataclass
