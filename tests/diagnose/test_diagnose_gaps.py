@@ -59,3 +59,17 @@ def test_a_gap_is_a_gap_where_it_lasts() -> None:
     seen[(time > 1.0) & (time < 1.2)] = False
     crossed = _crossed(time[seen], 0.01, np.arange(0.0, 2.6, 0.5))
     assert crossed.tolist() == [False, False, True, False, False]
+
+
+@pytest.mark.parametrize("frames_per_second", [10.0, 25.0, 60.0])
+def test_a_frame_alone_is_no_gap_at_any_rate(frames_per_second: float) -> None:
+    """Three in a row, from 1.6 s on, are one."""
+    time = np.arange(0.0, 3.0, 1 / frames_per_second)
+    seen = np.ones(len(time), dtype=bool)
+    seen[5::7] = False
+    assert not _crossed(time[seen], 1 / frames_per_second, np.arange(0.0, 2.6, 0.5)).any()
+    first = int(np.searchsorted(time, 1.6))
+    seen[first : first + 3] = False
+    crossed = _crossed(time[seen], 1 / frames_per_second, np.arange(0.0, 2.6, 0.5))
+    assert crossed[3]
+    assert not crossed[:2].any()
