@@ -32,7 +32,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def diagnosed(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Diagnosis, dict[str, Any], Path]:
     """The diagnosis, its record, and the folder of results (no figures)."""
     file, recordings = read_recordings(campaign)
-    found = diagnose(recordings, Baseline(baseline(None, file, file.body)), lambda text: None)
+    found = diagnose(recordings, Baseline(baseline(None, file, file.body), law_open=True), lambda text: None)
     out = tmp_path_factory.mktemp("out")
     return found, write(out, file, found), out
 

@@ -15,7 +15,7 @@ from serpenoid.measure import clock
 from serpenoid.measure.chain import estimate_about, estimate_chain
 from serpenoid.measure.clock import find_offset, interpolate, interpolate_smoothly
 from serpenoid.measure.links import chain_vertices
-from serpenoid.measure.quality import find_gaps, find_holes, find_jumps
+from serpenoid.measure.quality import find_gaps, find_jumps
 from serpenoid.measure.relabel import label_vertices
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.smooth import smooth_states
@@ -194,17 +194,6 @@ def test_gaps_are_runs_of_undetermined_frames():
     short, long = find_gaps(known, np.arange(16) / 60)
     assert (short.first, short.last, short.short) == (2, 2, True)
     assert (long.first, long.last, long.short) == (6, 13, False)
-
-
-@pytest.mark.parametrize("frames_per_second", [8.0, 15.0, 60.0])
-def test_a_frame_alone_is_bridged_at_any_rate_and_two_where_they_are_short(frames_per_second: float) -> None:
-    known = np.array([1, 1, 0, 1, 1, 1, 0, 0, 1, 1], dtype=bool)
-    time = np.arange(10) / frames_per_second
-    one, two = find_gaps(known, time)
-    assert (one.short, two.short) == (True, frames_per_second == 60.0)
-    missing_one, missing_two = np.delete(time, 4), np.delete(time, [4, 5])
-    assert not len(find_holes(missing_one))
-    assert find_holes(missing_two).tolist() == ([] if frames_per_second == 60.0 else [4])
 
 
 def test_a_bumped_camera_is_found_and_nothing_where_nothing_happened():

@@ -9,9 +9,7 @@ from numpy.typing import NDArray
 
 from serpenoid.measure.cells import Floats
 
-SHORT_GAP_S = 0.1  # a body moves little in this time; longer gaps split the track, but for a frame alone: film that is
-# too slow to be without one of its frames is too slow
-ONE_MISSING = 2.5  # times the usual way from frame to frame: less is one frame, whose time stamps are uneven
+SHORT_GAP_S = 0.1  # a body moves little in this time; longer gaps split the track
 JUMP_SIGMA = 8.0  # robust standard deviations: no jump in a million frames of clean data
 SMALLEST_JUMP = 0.004  # body lengths: a third of a centimetre on a metre; smaller ones drown in marker noise anyway
 
@@ -26,8 +24,7 @@ class Gap:
 
     @property
     def short(self) -> bool:
-        """Whether it is bridged: a frame alone, at any rate, or as little as that."""
-        return self.first == self.last or self.duration_s <= SHORT_GAP_S
+        return self.duration_s <= SHORT_GAP_S
 
 
 @dataclass(frozen=True)
@@ -52,9 +49,9 @@ def stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 
 def find_holes(time_s: Floats) -> NDArray[np.int64]:
-    """Frames before which more are missing from the file than are bridged."""
+    """Frames before which at least one is missing from the file, for longer than a short gap."""
     apart = np.diff(time_s)
-    return np.asarray(1 + np.flatnonzero(apart > max(SHORT_GAP_S, ONE_MISSING * float(np.median(apart)))))
+    return np.asarray(1 + np.flatnonzero(apart > max(SHORT_GAP_S, 1.5 * float(np.median(apart)))))
 
 
 def _span(first: int, last: int, time_s: Floats) -> float:
