@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import servo_process
-from servo_process import HeardChain
 
+from robot import servo_process
+from robot.servo_process import HeardChain
 from serpenoid.files.schema import load
 from serpenoid.robot.description import Robot
 from serpenoid.robot.emulator.faults import parse_fault
@@ -105,8 +105,9 @@ def emulator(folder: Path, *faults: str, baud_rate: int = 1000000) -> Iterator[E
 @contextmanager
 def serving(chain: HeardChain, folder: Path, baud_rate: int = 1000000) -> Iterator[Emulator]:
     """The same with servos of one's own."""
-    words = [sys.executable, servo_process.__file__]
-    with subprocess.Popen(words, env=environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+    words = [sys.executable, "-m", servo_process.__name__]
+    places = {"PYTHONPATH": os.pathsep.join(map(str, (ROOT / "src", ROOT / "tests")))}
+    with subprocess.Popen(words, env=os.environ | places, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         assert process.stdin is not None
         pickle.dump((chain, baud_rate, folder / "port"), process.stdin)
         process.stdin.flush()

@@ -16,7 +16,6 @@ import tty
 import numpy as np
 import pytest
 import serial
-import servo_process
 from emulated import (
     ROBOT_FILE,
     command,
@@ -33,6 +32,7 @@ from emulated import (
     write_gait,
 )
 
+from robot import servo_process
 from serpenoid.robot.table import read_table, write_table
 from serpenoid.robot.ticks import to_radians, to_ticks
 

@@ -12,7 +12,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import servo_process
 from emulated import (
     ROBOT_FILE,
     command,
@@ -26,6 +25,7 @@ from emulated import (
     write_gait,
 )
 
+from robot import servo_process
 from serpenoid.errors import InputError
 from serpenoid.robot.description import TrackingRule
 from serpenoid.robot.faults import RobotFault
