@@ -1,7 +1,7 @@
 """Emulated servos in a process of their own: what holds up the tests' interpreter does not hold up the servos.
 
-`python -m robot.servo_process` reads pickles from its standard input, the chain with its terminal first, then what to do
-with it, and writes one pickle for each. It ends with its input."""
+`python -m robot.servo_process` reads pickles from its standard input, the chain with its terminal first, then what to
+do with it, and writes one pickle for each. It ends with its input."""
 
 from __future__ import annotations
 
