@@ -12,7 +12,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from serpenoid.body import Floats
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.tracked import TrackedRecording, tracker
 from serpenoid.diagnose.data.untestable import fixed_to_the_room
@@ -20,6 +19,7 @@ from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import MotionFinding, Searched, choose_on_tracks
 from serpenoid.measure.beside_midline import beside_midline
+from serpenoid.measure.links import bends
 
 GLIDES = (
     "a body that only glides on, whatever it bends, would leave no more: nothing can be told of what moves this one"
@@ -47,8 +47,10 @@ def off_midline(found: MotionFinding, tracks: Sequence[Track]) -> MotionFinding:
     """The finding; where a point stands beside the body's midline, shapes are wrong there, and names may stand in for
     that."""
     body = tracks[0].recording.body
-    aside = beside_midline(body.edges, np.concatenate([bends_of(t.vertices) for t in tracks]))
-    if aside is None or not found.stage.named or not body.is_animal:
+    if not found.stage.named or not body.is_animal:
+        return found
+    aside = beside_midline(body.edges, np.concatenate([bends(t.vertices) for t in tracks]))
+    if aside is None:
         return found
     return _doubted(found, f"{ASIDE} (point {aside.vertex + 1} from the tail): {OF_SHAPES}")
 
@@ -80,10 +82,3 @@ def _without_forces(motion: Motion) -> tuple[float, float, int]:
         still += float((z**2).sum())
         gliding += float((z**2).sum() - ((z * by).sum(axis=0) ** 2 / (by**2).sum(axis=0)).sum())
     return still, gliding, 3 * len(motion.tracks)
-
-
-def bends_of(vertices: Floats) -> Floats:
-    """Joint angles (R, N - 2) of chains (R, N, 2)."""
-    edges = np.diff(vertices, axis=1)
-    turned = np.diff(np.arctan2(edges[..., 1], edges[..., 0]), axis=1)
-    return np.asarray((turned + np.pi) % (2 * np.pi) - np.pi)

@@ -15,35 +15,33 @@ from serpenoid.diagnose.inference.finding import VISIBLE, Divided, Named, interv
 from serpenoid.diagnose.stages.looked import Looked
 from serpenoid.diagnose.stages.seen_by_trial import divided
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.base import Effect
 from serpenoid.effects.catalogue import marking
 
 
 def rate_of_all(recordings: Sequence[Recording], best: Looked) -> Named | None:
     """The rate between two clocks, if it is more than chance."""
-    kind = next((k for k in marking("rate") if k.name not in best.without), None)
+    kind = _kind(best)
     rate, sd = pooled([r.clock for r in recordings])
     if kind is None or (rate / sd) ** 2 < best.needed:
         return None
-    levels = best.data.levels[: best.data.body.joint_count]
-    squares = np.mean([_drifted(r) for r in recordings], axis=0)
     (parameter,) = kind.parameters
     half = NORMAL * SYSTEMATIC * sd + parameter.resolution
     effect = ActiveEffect.neutral(kind.name).with_coordinates([rate])
     ends = {parameter.name: interval((rate - half, rate + half))}
-    return Named(effect, ends, abs(rate) * float((np.sqrt(squares) / levels).max()))
+    return Named(effect, ends, abs(rate) * _visible(best, recordings))
 
 
 def rates_by_trial(recordings: Sequence[Recording], best: Looked) -> Divided | None:
     """The rate between two clocks, where it differs from trial to trial by what is visible: as where a device was
     started anew, or another one was taken."""
-    kind = next((k for k in marking("rate") if k.name not in best.without), None)
+    kind = _kind(best)
     clocks = [r.clock for r in recordings]
     if kind is None or not run_apart(clocks):
         return None
     rates = np.array([c.rate for c in clocks])
-    drifted = max(
-        _visible_at(best, r, float(rate)) for r, rate in zip(recordings, rates - pooled(clocks)[0], strict=True)
-    )
+    off = np.abs(rates - pooled(clocks)[0])
+    drifted = max(x * _visible(best, [r]) for r, x in zip(recordings, off, strict=True))
     if drifted < VISIBLE:
         return None
     effects = [ActiveEffect.neutral(kind.name).with_coordinates([rate]) for rate in rates]
@@ -52,10 +50,16 @@ def rates_by_trial(recordings: Sequence[Recording], best: Looked) -> Divided | N
     return replace(told, any_gait=True)
 
 
-def _visible_at(best: Looked, r: Recording, rate: float) -> float:
-    """What a clock that runs away at a rate makes of the angles of a trial, over the noise level of the worst joint."""
+def _kind(best: Looked) -> Effect | None:
+    """The catalogue's effect of such a rate, unless it is left out."""
+    return next((k for k in marking("rate") if k.name not in best.without), None)
+
+
+def _visible(best: Looked, recordings: Sequence[Recording]) -> float:
+    """What a clock that is off by 1 s/s makes of the angles of some trials, over the noise level of the worst joint."""
     levels = best.data.levels[: best.data.body.joint_count]
-    return abs(rate) * float((np.sqrt(_drifted(r)) / levels).max())
+    squares = np.mean([_drifted(r) for r in recordings], axis=0)
+    return float((np.sqrt(squares) / levels).max())
 
 
 def _drifted(r: Recording) -> Floats:
