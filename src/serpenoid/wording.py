@@ -7,6 +7,7 @@ from collections.abc import Sequence
 FEW = 4  # names that are read at a glance
 OTHER_LAW = "may stand for another law of the floor or the water"  # ends what it says of names that mend one
 GROWING = "play all gaits, then all of them again, to tell"  # ends what it says of names that something growing beats
+OF_SHAPES = "names may stand in for what that does to the shapes"  # ends what it says of a point beside the midline
 NOT_NAMED = "not named, as "  # begins what a diagnosis says of effects that it tried and refused
 
 

@@ -14,9 +14,10 @@ from serpenoid.diagnose.inference.other_law import of_another_law
 from serpenoid.diagnose.report.sentences import inadequacy
 from serpenoid.diagnose.stages import choose_motion
 from serpenoid.diagnose.stages.choose_motion import another_law, beside_paths
+from serpenoid.diagnose.stages.choose_tracked import ASIDE
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
-from serpenoid.wording import OTHER_LAW
+from serpenoid.wording import OF_SHAPES, OTHER_LAW
 
 MEDIUM = Medium(anisotropy_ratio=0.4)
 VERTICES = 12
@@ -86,6 +87,14 @@ def test_it_is_said_why_they_are_in_doubt() -> None:
     effects = [{"name": "load", "place": 1, "site": "medium", "stand_in": True}]
     record = {"effects": effects, "discrepancy_m": 0, "residual_pattern": [why], "verdict": "partly explained"}
     assert "at some places what they give at others" in inadequacy(record)[0]
+
+
+def test_beside_a_point_that_is_off_the_midline_it_is_not_said_that_paths_are_off() -> None:
+    words = [f"motion: {ASIDE} (point 4 from the tail): {OF_SHAPES}"]
+    effects = [{"name": "load", "place": 1, "site": "medium", "stand_in": True}]
+    record = {"effects": effects, "discrepancy_m": 0, "residual_pattern": words, "verdict": "partly explained"}
+    why = inadequacy(record | {"noise_from": "points", "reference": None})[0]
+    assert why.startswith("a point beside the midline bends the shapes")
 
 
 def test_what_does_less_than_is_left_of_paths_may_be_a_part_of_that() -> None:

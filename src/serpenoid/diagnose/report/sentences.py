@@ -23,7 +23,7 @@ from serpenoid.diagnose.report.words import (
 )
 from serpenoid.effects.catalogue import find
 from serpenoid.media import DEFAULT, LAWS
-from serpenoid.wording import GROWING, NOT_NAMED, OTHER_LAW
+from serpenoid.wording import GROWING, NOT_NAMED, OF_SHAPES, OTHER_LAW
 
 UNSAID = (
     "the log does not say when rows were due: it has no labels, and its commands are not the table's",
@@ -49,6 +49,11 @@ LINKS = (
     "what effects do is computed on straight links between the points; stand-ins do no more than what else is named is "
     "off by for that, or than paths are off by"
 )
+SAID_OF_NAMES = {  # why they are in doubt, by how words on what is left end
+    OTHER_LAW: "names that take at some places what they give at others may stand for another law",
+    GROWING: "a cause that grows from trial to trial explains more than the stand-ins",
+    OF_SHAPES: "a point beside the midline bends the shapes: stand-ins may mend what that does to the path",
+}
 SETTLED = {"nothing", "explained"}  # verdicts that leave nothing open
 UNREPEATED = {
     "nothing": "nothing is named; nothing was played twice, so nobody can tell whether what is left is noise",
@@ -119,10 +124,9 @@ def _why_doubted(record: Record, seen: bool) -> str:
         return f"the model is off by {size} a window beyond the noise; stand-ins take away a part of that"
     if seen or any(w.startswith("observation: ") for w in record["residual_pattern"]):
         return "stand-ins of the floor rest on markers whose errors are not understood"
-    if any(w.endswith(OTHER_LAW) for w in record["residual_pattern"]):
-        return "names that take at some places what they give at others may stand for another law"
-    if any(w.endswith(GROWING) for w in record["residual_pattern"]):
-        return "a cause that grows from trial to trial explains more than the stand-ins"
+    for ending, why in SAID_OF_NAMES.items():
+        if any(w.endswith(ending) for w in record["residual_pattern"]):
+            return why
     if record["noise_from"] == "residuals" and not record["reference"]:
         return (
             "nothing was played twice, and what is left is more than the markers' noise: names that do less than three "

@@ -20,12 +20,12 @@ from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import MotionFinding, Searched, choose_on_tracks
 from serpenoid.measure.beside_midline import beside_midline
 from serpenoid.measure.links import bends
+from serpenoid.wording import OF_SHAPES
 
 GLIDES = (
     "a body that only glides on, whatever it bends, would leave no more: nothing can be told of what moves this one"
 )
 ASIDE = "a point stands beside the body's midline"
-OF_SHAPES = "names may stand in for what that does to the shapes"
 STILL = "a body that stood still would leave no more: nothing can be told of what moves this one, nor of its eps"
 
 
