@@ -11,6 +11,9 @@ physics                   a law of the generator's floor is taken out of the cat
 dry                       the same on floors of dry friction: forces in an ellipse, in a box, or along those of drag
                           that set in as a root, a hyperbolic or an arc tangent does; nothing is taken out
 same                      healthy, and as the reference the same gaits on another day
+once                      protocols drawn at random, where not even a cycle is played twice, beside the healthy robot; a
+                          law of the floor is taken out of the catalogue; of three campaigns one hides nothing, one an
+                          effect, one a cause outside the catalogue
 amid                      something begins amid a campaign that plays gaits twice, and acts in some trials alone
 days                      the same of any protocol that plays gaits twice, on floors that differ from trial to trial
 """
@@ -42,7 +45,7 @@ LAWS: dict[str, tuple[str, float, float]] = {
 ANOTHER_DAY = (1,)
 DAYS = (("now", ()), ("before", ANOTHER_DAY))
 RANDOM = ("random", "laid", "weather", "days")
-KINDS = (*HIDDEN, "followup", "handful", "random", "laid", "weather", "physics", "dry", "same", "days", "amid")
+KINDS = (*HIDDEN, "followup", "handful", "random", "laid", "weather", "physics", "dry", "same", "once", "days", "amid")
 
 
 @dataclass(frozen=True)
@@ -79,6 +82,8 @@ def case(kind: str, index: int, seed: int, identity: str) -> Case:
         return _another_physics(index, seed, identity)
     if kind == "dry":
         return _on_a_dry_floor(index, seed, identity)
+    if kind == "once":
+        return _once(index, seed, identity)
     if kind == "same":
         return Case(make(seed, 0, identity), "null", make(seed, 0, "before", chance=ANOTHER_DAY))
     return Case(make(seed, HIDDEN[kind], identity), kind)
@@ -98,11 +103,27 @@ def _on_a_dry_floor(index: int, seed: int, identity: str) -> Case:
     return Case(found, "one" if changed else "null", before)
 
 
-def _another_physics(index: int, seed: int, identity: str) -> Case:
+def _once(index: int, seed: int, identity: str) -> Case:
+    drawn_at_random = draw_protocol(seed)
+    settings = [replace(s, plan=replace(s.plan, cycles=1)) for s in drawn_at_random.settings]
+    protocol, cause = replace(drawn_at_random, plays=1, settings=settings), ("null", "one", "outside")[index % 3]
+    base, law = _taken_out(index // 3, seed)
+    among = sorted(set(effects_that_show(protocol)) - {law})
+    before = make(seed, 0, "before", protocol=protocol, base=base, chance=ANOTHER_DAY)
+    now = make(seed, HIDDEN[cause], identity, protocol=protocol, base=base, among=among)
+    return Case(now, cause, before, (law,))
+
+
+def _taken_out(index: int, seed: int) -> tuple[list[Effect], str]:
+    """A law of the floor, by its number, and its name."""
     law = list(LAWS)[index % len(LAWS)]
     parameter, low, high = LAWS[law]
     rng = np.random.default_rng([seed, 7])
-    base = [Effect(law, None, {parameter: float(np.exp(rng.uniform(np.log(low), np.log(high))))})]
+    return [Effect(law, None, {parameter: float(np.exp(rng.uniform(np.log(low), np.log(high))))})], law
+
+
+def _another_physics(index: int, seed: int, identity: str) -> Case:
+    base, law = _taken_out(index, seed)
     among = sorted(set(ON_WHEELS) - {law})
     changed = (index // len(LAWS)) % 3 > 0
     hide: Hide = int(changed)

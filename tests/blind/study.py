@@ -241,7 +241,7 @@ def main() -> None:
     p.add_argument("--cluster", help="a Dask scheduler's address, or local:N")
     p.add_argument("--keep", action="store_true", help="keep the campaign folders")
     a = p.parse_args()
-    model = a.model or (None if a.kind in (*RANDOM, "amid") else "problems/snake10.toml")
+    model = a.model or (None if a.kind in (*RANDOM, "once", "amid") else "problems/snake10.toml")
     run(Study(a.kind, a.out, model, a.diagnose, a.key, keep=a.keep), a.count, Workers(a.jobs, a.cluster))
 
 

@@ -18,6 +18,7 @@ from blind.folder import write
 from blind.protocol import usual
 from serpenoid.body import Body
 from serpenoid.cli.main import main
+from serpenoid.diagnose import reference
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.observation import Observation
@@ -98,6 +99,19 @@ def first_errors(earlier: Diagnosis) -> tuple[np.ndarray, np.ndarray]:
     both = np.isfinite(first).all(axis=(0, 2))
     assert both.mean() > 0.5
     return first, both
+
+
+def test_differences_tell_the_chance_of_both_days_where_nothing_was_played_twice(
+    earlier: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the model left then is no noise of what it leaves now: the habitual error is in both, and is taken out."""
+    then, tracks = reference_of(earlier), earlier.motion.selection.motion.tracks
+    for said, doubtful in (("trials", True), ("residuals", False)):
+        monkeypatch.setattr(reference, "chance_from", lambda _, said=said: said)
+        (first, *_) = then.corrected(tracks)
+        known = ~np.asarray(first.recurs).any(axis=1) & first.playing
+        assert known.mean() > 0.5
+        assert bool(np.broadcast_to(first.doubt, first.displacement.shape)[known].all()) == doubtful
 
 
 def test_the_habitual_error_is_the_mean_over_repeats(earlier: Diagnosis) -> None:

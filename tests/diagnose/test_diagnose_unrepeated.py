@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import cast
+from types import SimpleNamespace
+from typing import Any, cast
 
+import numpy as np
 import pytest
 
 from blind.campaign import make
@@ -16,10 +18,13 @@ from blind.random_protocols import draw_protocol
 from serpenoid.diagnose.campaign import diagnose_campaign
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.inference.finding import Named
-from serpenoid.diagnose.stages import choose_motion
+from serpenoid.diagnose.inference.finding import Named, Stage
+from serpenoid.diagnose.inference.medium import Fit
+from serpenoid.diagnose.residuals.gain import Scores
+from serpenoid.diagnose.stages import borne_out, choose_motion
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.choose_set_points import plays
+from serpenoid.diagnose.stages.ratio_change import RatioChange
 from serpenoid.effects.active import ActiveEffect
 
 SEED = 166611063688274
@@ -78,3 +83,34 @@ def test_names_that_may_be_parts_of_what_is_left_are_marked(
     of_floor, of_servo = choose_motion.beside_what_is_left(cast(Motion, None), [floor, servo])
     assert of_floor.stand_in == marked
     assert not of_servo.stand_in  # the motion says nothing of servos
+
+
+@pytest.mark.parametrize(
+    ("after", "unrepeated", "marked"),
+    [(0.012, True, False), (0.014, True, True), (0.014, False, False)],
+)
+def test_names_that_other_gaits_do_not_bear_out_are_marked_where_nothing_was_played_twice(
+    after: float, unrepeated: bool, marked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Held-out paths stray by 12 mm without them, the noise is 3 mm, other gaits leave 4 mm open: 13 mm at most."""
+    monkeypatch.setattr(borne_out, "left_open", lambda *_: np.array([0.004]))
+    stage = Stage("motion", (Named(ActiveEffect.typical("slope"), {}, 2.0),))
+    selection = SimpleNamespace(motion=SimpleNamespace(unrepeated=unrepeated), noise_level_m=0.003)
+    found = choose_motion.MotionFinding(stage, cast(Any, selection), (), 0.0, 0.0)
+    paths = [cast(Scores, SimpleNamespace(path=np.array([x]))) for x in (0.012, after)]
+    judged = borne_out.borne_out(found, cast(Fit, None), *paths).stage
+    assert [n.stand_in for n in judged.named] == [marked]
+    assert judged.settled != marked
+
+
+@pytest.mark.parametrize(
+    ("strength", "unrepeated", "told"), [(2.4, True, True), (3.1, True, False), (2.4, False, False)]
+)
+def test_a_change_of_eps_that_leaves_a_third_of_itself_is_not_all_where_nothing_was_played_twice(
+    strength: float, unrepeated: bool, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(borne_out, "beyond_markers", lambda _: 1.0)
+    selection = SimpleNamespace(motion=SimpleNamespace(unrepeated=unrepeated))
+    found = choose_motion.MotionFinding(Stage("motion"), cast(Any, selection), (), 0.0, 0.0)
+    judged = borne_out.beside_what_is_left(found, RatioChange(0.14, 0.37, strength)).stage
+    assert judged.settled != told

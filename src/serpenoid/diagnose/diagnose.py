@@ -37,6 +37,7 @@ from serpenoid.diagnose.residuals.gain import Scores, gain_record, scores
 from serpenoid.diagnose.residuals.maps import residual_maps
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.beside_markers import no_larger
+from serpenoid.diagnose.stages.borne_out import beside_what_is_left, borne_out
 from serpenoid.diagnose.stages.choose_motion import MotionFinding, Searched, choose_motion
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.choose_tracked import choose_tracked
@@ -247,7 +248,9 @@ def concluded(
         if path_error(found.motion, unseen, jumps) < path_error(found.motion, better, jumps):
             extension, better = other, unseen
     before, after = scores(found.motion, predicted), scores(found.motion, better, jumps)
-    changed = ratio_changed(motion, baseline)
+    motion = borne_out(motion, extension, before, after)
+    motion = beside_what_is_left(motion, ratio_changed(motion, baseline))
+    changed, stages = ratio_changed(motion, baseline), (*stages[:-1], motion.stage)
     return Diagnosis(
         verdict(stages, changed is not None), baseline, seen, stages, motion, extension, before, after,
         (predicted, better), ladder, ratio_change=changed,

@@ -25,7 +25,7 @@ from serpenoid.diagnose.data.noise import residuals, window_noise
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import repeated
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.repeats import UNLIKE, by_setting
+from serpenoid.diagnose.data.repeats import UNLIKE, by_setting, chance_from
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.diagnose import Diagnosis, record
@@ -172,12 +172,14 @@ class Reference(Baseline):
         return self.seen
 
     def corrected(self, tracks: Sequence[Track]) -> tuple[Track, ...]:
-        """Tracks whose offset holds the habitual error."""
-        return tuple(self._corrected(t) for t in tracks)
+        """Tracks whose offset holds the habitual error. Where nothing was played twice, then or now, what a later trial
+        differs by from the earlier one tells the chance of both."""
+        once = chance_from(tracks) == chance_from(self.tracks) == "residuals"
+        return tuple(self._corrected(t, once) for t in tracks)
 
-    def _corrected(self, track: Track) -> Track:
+    def _corrected(self, track: Track, once: bool) -> Track:
         error, noise = self.explained[0].error(track)
-        unknown = np.isnan(error)
+        unknown, noise = np.isnan(error), np.zeros_like(noise) if once else noise
         doubt = np.where(unknown, np.where(track.playing[:, None], self.usual, 0.0), noise)
         offset = track.offset + np.where(unknown, 0.0, error)
         return replace(track, offset=offset, doubt=doubt, recurs=unknown)  # what is known has the chance of one trial

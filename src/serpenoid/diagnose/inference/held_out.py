@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from math import hypot
 
 import numpy as np
 
@@ -72,6 +73,11 @@ def _unseen(motion: Motion, found: Fit, leave_out: LeaveOut, label: int) -> Unse
     near = [found.predictions[i] for i in index]
     evidence, predictions = linearised(part(motion, index), model, effects, near=near)
     return Unseen(index, evidence, predictions)
+
+
+def fails(before: float, after: float, noise_level: float, open_m: float) -> bool:
+    """Whether names make held-out paths stray farther [m], by more than noise and what other gaits leave open."""
+    return after > hypot(before, noise_level, open_m)
 
 
 def left_open(motion: Motion, found: Fit) -> Floats:

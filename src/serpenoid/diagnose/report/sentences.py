@@ -8,6 +8,7 @@ from math import hypot
 from serpenoid.diagnose.data.repeats import UNLIKE
 from serpenoid.diagnose.inference.bounds import LEAST_EPS
 from serpenoid.diagnose.inference.finding import alone
+from serpenoid.diagnose.inference.held_out import fails
 from serpenoid.diagnose.inference.laws import NEITHER
 from serpenoid.diagnose.report.words import (
     Record,
@@ -485,8 +486,8 @@ def _open_length(record: Record) -> str:
 def unreliable(record: Record) -> list[str]:
     """Where what is named makes held-out paths stray farther, by more than noise and what other gaits leave open."""
     rms = record["gain"]["path_rms_m"]
-    allowed = hypot(rms["before"], record["noise_level_m"], record["left_open_m"])
-    if not record["effects"] or rms["after"] <= allowed:
+    strays = fails(rms["before"], rms["after"], record["noise_level_m"], record["left_open_m"])
+    if not record["effects"] or not strays:
         return []
     return [f"what is named does not carry over to other {unseen(record)}: do not rely on it without more trials"]
 

@@ -261,11 +261,16 @@ def beside_earlier(stage: Stage, baseline: Baseline) -> Stage:
 def beside_what_is_left(motion: Motion, named: Sequence[Named]) -> list[Named]:
     """Names where nothing was played twice: what is left beyond the markers' noise may be an error of the law, and what
     does less than 1 / LAW_ERROR times as much may be a part of that."""
-    ratio = over_markers(motion) or 1.0
-    beyond = float(np.sqrt(1 - ratio**-2)) if ratio > largest_factor(noise_uncertain(motion)) else 0.0
+    beyond = beyond_markers(motion)
     return [
         replace(n, stand_in=n.stand_in or (n.effect.effect.moves and beyond > LAW_ERROR * n.strength)) for n in named
     ]
+
+
+def beyond_markers(motion: Motion) -> float:
+    """What of the noise is none of the markers', in noise levels; 0 where chance may make as much."""
+    ratio = over_markers(motion) or 1.0
+    return float(np.sqrt(1 - ratio**-2)) if ratio > largest_factor(noise_uncertain(motion)) else 0.0
 
 
 def beside_paths(named: Sequence[Named], left: float) -> list[Named]:

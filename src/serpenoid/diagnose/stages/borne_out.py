@@ -1,0 +1,45 @@
+"""Whether gaits bear out what others name, where nothing was played twice: a push in one trial is a law there, too.
+
+Noise is then what a model leaves, and a name that mends the one trial in which something happened leaves little. It
+fails where the gait is predicted from the others. A change of eps, which all gaits show, may make up for another one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from serpenoid.diagnose.data.paths import total
+from serpenoid.diagnose.inference.held_out import fails, left_open
+from serpenoid.diagnose.inference.law_error import LAW_ERROR
+from serpenoid.diagnose.inference.medium import Fit
+from serpenoid.diagnose.residuals.gain import Scores
+from serpenoid.diagnose.stages.choose_motion import MotionFinding, beyond_markers
+from serpenoid.diagnose.stages.ratio_change import RatioChange
+
+RATIO = (
+    "nothing was played twice, and another anisotropy ratio, which mends most, leaves more than a third of what it "
+    "does: it may make up for another change"
+)
+WORDS = "nothing was played twice, and what is named does not carry over to other gaits: it may be what happened in one"
+
+
+def borne_out(found: MotionFinding, extension: Fit, before: Scores, after: Scores) -> MotionFinding:
+    """What is named of the floor; a stand-in, and words for what is left, where held-out paths go astray by it and
+    nothing was played twice."""
+    motion = found.selection.motion
+    if not motion.unrepeated or not found.stage.named:
+        return found
+    open_m = total(left_open(motion, extension))
+    if not fails(total(before.path), total(after.path), found.selection.noise_level_m, open_m):
+        return found
+    named = tuple(replace(n, stand_in=n.stand_in or n.effect.effect.moves) for n in found.stage.named)
+    return replace(found, stage=replace(found.stage, named=named, words=(*found.stage.words, WORDS)))
+
+
+def beside_what_is_left(found: MotionFinding, changed: RatioChange | None) -> MotionFinding:
+    """With words for what is left beside a change of eps where nothing was played twice: what is left beyond the
+    markers' noise may be what the change makes up for, if it does less than 1 / LAW_ERROR times as much."""
+    motion = found.selection.motion
+    if changed is None or not motion.unrepeated or LAW_ERROR * changed.strength >= beyond_markers(motion):
+        return found
+    return replace(found, stage=replace(found.stage, words=(*found.stage.words, RATIO)))
