@@ -91,9 +91,10 @@ def _kept(kind: MediumEffect, before: T, after: T) -> T:
         wanted, got = type(before).__name__, type(after).__name__
         raise TypeError(f"effect `{kind.name}`: must give back its {wanted}, got {got}. Does it lack a `return`?")
     for part in fields(before):
-        was, now = (_shapes(getattr(record, part.name)) for record in (before, after))
-        if was != now:
-            raise TypeError(f"effect `{kind.name}`: `{part.name}` must have the shape {was}, got {now}.")
+        was, now = (getattr(record, part.name) for record in (before, after))
+        if now is not was and _shapes(was) != _shapes(now):
+            shapes = f"{_shapes(was)}, got {_shapes(now)}"
+            raise TypeError(f"effect `{kind.name}`: `{part.name}` must have the shape {shapes}.")
     return after
 
 

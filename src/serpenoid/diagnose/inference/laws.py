@@ -19,7 +19,7 @@ from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.windows import Track
 from serpenoid.diagnose.inference.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, fit_on
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.effects.active import ActiveEffect
@@ -192,7 +192,7 @@ def by_its_own_numbers(motion: Motion, model: Model, least_ratio: float, without
     starts = [(eps, *chain.from_iterable(rest)) for eps in ratios for rest in product(*values)]
     begun = in_processes([(fit, (motion, model, effects, np.array(x), 0)) for x in starts])
     near = sorted(begun, key=missed)[:POLISHED]
-    fits = in_processes([(fit, (motion, model, effects, f.coordinates, TO_THE_END)) for f in near])
+    fits = in_processes([(fit_on, (motion, f, TO_THE_END)) for f in near])
     return min(fits, key=missed)
 
 

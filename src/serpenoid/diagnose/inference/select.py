@@ -178,19 +178,30 @@ def all_at_once(motion: Motion, best: Fit, tries: int) -> Fit:
     if not unclear(best) or len(best.evidence.constant) < 2:
         return best
     everywhere = [c for c in (*best.effects, *candidates_of(best)) if c.name not in motion.untestable]
-    alone = {c.name for c in everywhere if c.place is not None and len(c.effect.parameters) == 1}
-    most = best.model.body.joint_count + 2  # vertices without those between joints
-    for name in sorted(alone):
-        others = [e for e in best.effects if e.name != name]
-        effects = [*others, *(c for c in everywhere if c.name == name)]
-        found = fit(motion, best.model, effects, coordinates_of(best.model, effects), TO_THE_END, best.predictions)
-        if len(effects) - len(others) > most and _telling(found, name, tries) > most:
-            continue
-        found = told(motion, found, tries)
-        better = choose(best, [found], tries) is not None and _foretold(found) < _foretold(best)
-        if better and information_criterion(motion, found) < information_criterion(motion, best):
-            best = pruned(motion, found, tries)
+    waiting = sorted({c.name for c in everywhere if c.place is not None and len(c.effect.parameters) == 1})
+    while waiting:
+        found = in_processes([(_of_all_places, (motion, best, everywhere, name, tries)) for name in waiting])
+        likelier = [i for i, f in enumerate(found) if f is not None and _foretells(motion, best, f, tries)]
+        if not likelier:
+            break
+        best, waiting = pruned(motion, found[likelier[0]], tries), waiting[likelier[0] + 1 :]  # fitted anew beside it
     return best
+
+
+def _of_all_places(motion: Motion, best: Fit, everywhere: Sequence[ActiveEffect], name: str, tries: int) -> Fit | None:
+    """A fit with all places of one effect, less those that earn nothing; None where more than a body may have do."""
+    others, most = [e for e in best.effects if e.name != name], best.model.body.joint_count + 2  # without middles
+    effects = [*others, *(c for c in everywhere if c.name == name)]
+    found = fit(motion, best.model, effects, coordinates_of(best.model, effects), TO_THE_END, best.predictions)
+    if len(effects) - len(others) > most and _telling(found, name, tries) > most:
+        return None
+    return told(motion, found, tries)
+
+
+def _foretells(motion: Motion, best: Fit, other: Fit, tries: int) -> bool:
+    """Whether another fit is likelier, errors of the law included, and foretells gaits better."""
+    better = choose(best, [other], tries) is not None and _foretold(other) < _foretold(best)
+    return better and information_criterion(motion, other) < information_criterion(motion, best)
 
 
 def _telling(found: Fit, name: str, tries: int) -> int:

@@ -13,6 +13,7 @@ from serpenoid.diagnose.inference.discrepancy import information_criterion
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, coordinates_of, fit
 from serpenoid.diagnose.inference.select import Selection, told, unclear
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.parallel import in_processes
 
 
 def laws_together(found: Selection) -> Fit | None:
@@ -24,7 +25,7 @@ def laws_together(found: Selection) -> Fit | None:
     whole = [c for c in (*best.effects, *laws_of_the_body(motion, best)) if of_the_body(c) and not c.effect.remembers]
     placed = [e for e in best.effects if e not in whole]
     tries = len(candidates_of(found.null))
-    fits = [best, *(_together(motion, best, effects, tries) for effects in ([*placed, *whole], whole))]
+    fits = [best, *in_processes([(_together, (motion, best, e, tries)) for e in ([*placed, *whole], whole)])]
     entire = [f for f in fits if f.evidence.count.sum() >= best.evidence.count.sum()]
     likeliest = min(entire, key=lambda f: information_criterion(motion, f))
     return None if likeliest is best else likeliest
