@@ -86,7 +86,7 @@ def limit_lines(problem: Problem, table: Floats) -> list[str]:
 def _angle_lines(problem: Problem, table: Floats) -> list[str]:
     declared = problem.body.joint_limit_deg
     if declared is None:
-        return []
+        return _impossible_lines(problem, table)
     low, high = np.degrees([table.min(), table.max()])
     reach = f"{low:z.1f} to {high:z.1f}" if isinstance(declared, tuple) else f"{largest_angle(table)[1]:.1f}"
     words = f"{limit_words(declared)} degrees"
@@ -97,6 +97,15 @@ def _angle_lines(problem: Problem, table: Floats) -> list[str]:
         named = f"{_columns(problem, table)[worst.joint]} reaches {worst.reach:.1f} degrees"
         return [f"warning           {named}, its limit is {worst.limit}"]
     return [f"joint limit       {words}; joints reach {reach}"]
+
+
+def _impossible_lines(problem: Problem, table: Floats) -> list[str]:
+    """Of a body without limits: no link turns through its neighbour, and the likeliest way to ask for it is degrees."""
+    joint, reach = largest_angle(table)
+    if reach <= 180.0 * (1 + KEPT):
+        return []
+    named = f"{_columns(problem, table)[joint]} reaches {reach:.1f} degrees, more than half a turn"
+    return [f"warning           {named}. Angles of gaits are in radians: were they given in degrees?"]
 
 
 def _columns(problem: Problem, table: Floats) -> list[str]:

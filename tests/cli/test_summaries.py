@@ -150,3 +150,17 @@ def test_points_that_an_interrupted_sweep_left_coarse_are_not_said_to_have_faile
     mesh = {"steps": [50, 100], "largest_error": 0.997, "coarse": 1}
     (line,) = _mesh_lines(mesh, True, complete)
     assert line.endswith(f"the same gaits go as far within 100 %; 1 point {said} refined to 0.1 %")
+
+
+@pytest.mark.parametrize(("angle", "warned"), [(0.5236, False), (30.0, True)])
+def test_joints_beyond_half_a_turn_are_asked_for_their_unit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], angle: float, warned: bool
+) -> None:
+    rows = f"angles = [[{angle}, 0.0], [0.0, {angle}], [-{angle}, 0.0], [0.0, -{angle}]]"
+    gait = f'[gait]\nfamily = "table"\n{rows}\n[task]\nsteps = 4\n'
+    assert (
+        main(["simulate", written(tmp_path, BODY + MEDIUM + gait), "--no-figures", "--out", str(tmp_path / "o")]) == 0
+    )
+    out = capsys.readouterr().out
+    assert ("joint_1 reaches 1718.9 degrees, more than half a turn. Angles of gaits are in radians" in out) == warned
+    assert ("half a turn" in out) == warned

@@ -20,7 +20,7 @@ from serpenoid.gaits.fourier import FourierGait
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.objectives import demands, terms
-from serpenoid.objectives.criteria import Gaps
+from serpenoid.objectives.criteria import NEAR, Gaps
 from serpenoid.objectives.obstacles import Box, Disc, HalfPlane
 from serpenoid.optimise.asked import asked as criteria_of
 from serpenoid.optimise.between import Between, GapField
@@ -217,6 +217,20 @@ def test_free_tables_are_first_looked_for_on_few_rows_and_obstacles_come_last() 
     table, way = np.arange(24.0).reshape(8, 3), Easier(problem("reach"), fewer=4)
     np.testing.assert_array_equal(way.to(table.ravel(), TableGait().of(3, 8)).reshape(-1, 3), table[::4])
     np.testing.assert_array_equal(way.back(table[::4].ravel(), TableGait().of(3, 2)).reshape(-1, 3)[::4], table[::4])
+
+
+def test_the_displacement_is_smooth_where_a_body_comes_back_and_exact_beyond() -> None:
+    here = problem("reach", 'task.demands=[{kind="reach",target=[0.0,0.0]}]')
+    criteria = criteria_of(here.task, here.family_of()).criteria
+    assert criteria.in_place
+    assert not criteria_of(problem("reach").task, here.family_of()).criteria.in_place
+    end = criteria.poses[:2, -1]
+    hessian, slope = ca.hessian(criteria.displacement, criteria.moved)
+    of = ca.Function("of", [end], [criteria.displacement, slope[-3], hessian[-3, -3]])
+    assert [float(v) for v in of([0.0, 0.0])[:2]] == [0.0, 0.0]
+    inside, outside = (np.ravel(of([NEAR * (1 + sign * 1e-9), 0.0])) for sign in (-1, 1))
+    np.testing.assert_allclose(inside, outside, rtol=1e-7, atol=1e-7 / NEAR)  # second derivatives are of 1 / NEAR
+    assert float(of([3e-3, 4e-3])[0]) == pytest.approx(5e-3, rel=1e-15)
 
 
 def test_a_heading_is_not_reached_by_a_step_of_a_whole_turn() -> None:

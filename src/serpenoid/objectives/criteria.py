@@ -22,6 +22,7 @@ from serpenoid.objectives.checked import interval, scalar
 from serpenoid.objectives.frames import composed, place, placed
 
 NOWHERE = 1e-180  # body lengths^2: far below rounding; its power -3/2, in second derivatives, is finite
+NEAR = 1e-6  # body lengths: less than any mesh can tell
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,8 @@ class Criteria:
     poses (3, T + 1): body frames from the origin on [body lengths, rad], in space (6, T + 1), see `frames`;
     joint_angles (m, R) [rad], the joint table; dissipation: T times E; gait (n): the family's parameters; c: weight of
     the dissipation, which sweeps vary. chain: from a row's joint angles to the vertices (2, N) in the body frame, if
-    the body is known; in space `raised`: from the gait and the row's number to vertices (3, N). What is asked of places
+    the body is known; in space `raised`: from the gait and the row's number to vertices (3, N). in_place: whether
+    demands want the cycle to end where it began. What is asked of places
     and headings is asked of the first three numbers of a pose: along the floor.
     """
 
@@ -76,6 +78,7 @@ class Criteria:
     chain: Callable[[ca.SX], ca.SX] | None = None
     pose_size: int = 3
     raised: Callable[[ca.SX, int], ca.SX] | None = None
+    in_place: bool = False
     moved: ca.SX = field(init=False)
     poses: ca.SX = field(init=False)
     angles: ca.SX = field(init=False)
@@ -108,9 +111,15 @@ class Criteria:
     def displacement(self) -> ca.SX:
         """Distance of the centroid over the cycle, along the floor [body lengths].
 
-        Its slope at a distance of exactly zero, where a search for a turn in place ends, is zero and not 0 / 0.
+        Its slope at a distance of exactly zero is zero and not 0 / 0. The kink there tells a search that stands still;
+        where demands want that (`in_place`) it is rounded off within NEAR, by a polynomial of the squared distance that
+        joins it with equal first and second derivatives.
         """
-        return ca.sqrt(ca.fmax(ca.sumsqr(self.poses[:2, -1]), NOWHERE))
+        squared = ca.sumsqr(self.poses[:2, -1])
+        if not self.in_place:
+            return ca.sqrt(ca.fmax(squared, NOWHERE))
+        u, far = ca.fmin(squared / NEAR**2, 1.0), ca.sqrt(ca.fmax(squared, NEAR**2))
+        return ca.if_else(squared < NEAR**2, NEAR * u * (15 - u * (10 - 3 * u)) / 8, far)
 
     @property
     def heading_change(self) -> ca.SX:

@@ -22,6 +22,8 @@ from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model
 from serpenoid.objectives import Criteria, Demand, Term
 from serpenoid.objectives.checked import scalar
+from serpenoid.objectives.criteria import NEAR
+from serpenoid.objectives.term import Rows
 from serpenoid.optimise.customised import Customise, add_own
 from serpenoid.problem import Task
 from serpenoid.simulation.rollout import Batch
@@ -92,7 +94,7 @@ def asked(task: Task, family: GaitFamily, customise: Customise | None = None, mo
     elif model is not None:
         chain = partial(_chain, model)
     sizes = steps, family.rows, family.joints, family.size
-    criteria = Criteria(*sizes, family.names, chain, family.pose_size, raised)
+    criteria = Criteria(*sizes, family.names, chain, family.pose_size, raised, _in_place(task, family))
     for term in task.objectives:
         criteria.also_minimise(term.weight * _value(term, criteria))
     criteria.also_minimise(criteria.c * criteria.dissipation)
@@ -101,6 +103,13 @@ def asked(task: Task, family: GaitFamily, customise: Customise | None = None, mo
     if customise is not None:
         add_own(customise, criteria)
     return Asked(criteria)
+
+
+def _in_place(task: Task, family: GaitFamily) -> bool:
+    """Whether demands want the cycle to end where it began."""
+    rows = Rows(task.steps, family.joints, family.closed)
+    ways = [ask for demand in task.demands for ask in demand.asks(rows) if ask.quantity == "displacement"]
+    return any(way.upper <= NEAR for way in ways)
 
 
 def _value(term: Term, criteria: Criteria) -> ca.SX:
