@@ -27,6 +27,7 @@ TITLES = {
     "physics": "Another physics",
     "dry": "Floors of dry friction",
     "same": "Healthy against healthy",
+    "once": "Nothing played twice, beside a reference, a law left out",
     "days": "Healthy against healthy, floors that differ a little from trial to trial",
     "amid": "Random protocols, something begins amid the campaign",
 }
