@@ -30,7 +30,7 @@ from blind.catalogue import FLOORS, ON_WHEELS, Effect, drawn
 from blind.handful import HANDFUL, HANDFUL_COMBINATIONS
 from blind.near import draw_near, short
 from blind.protocol import usual
-from blind.random_protocols import draw_protocol, effects_that_show, laid_anew
+from blind.random_protocols import draw_protocol, effects_that_show, laid_anew, once
 
 HIDDEN: dict[str, int | str] = {"null": 0, "one": 1, "two": 2, "outside": "outside"}
 SIX = ("null", "one", "outside", "null", "one", "two")
@@ -104,9 +104,7 @@ def _on_a_dry_floor(index: int, seed: int, identity: str) -> Case:
 
 
 def _once(index: int, seed: int, identity: str) -> Case:
-    drawn_at_random = draw_protocol(seed)
-    settings = [replace(s, plan=replace(s.plan, cycles=1)) for s in drawn_at_random.settings]
-    protocol, cause = replace(drawn_at_random, plays=1, settings=settings), ("null", "one", "outside")[index % 3]
+    protocol, cause = once(draw_protocol(seed)), ("null", "one", "outside")[index % 3]
     base, law = _taken_out(index // 3, seed)
     among = sorted(set(effects_that_show(protocol)) - {law})
     before = make(seed, 0, "before", protocol=protocol, base=base, chance=ANOTHER_DAY)

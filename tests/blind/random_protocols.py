@@ -73,6 +73,12 @@ def laid_anew(protocol: Protocol, seed: int) -> Protocol:
     return replace(protocol, settings=tuple(anew), plays=1)
 
 
+def once(protocol: Protocol) -> Protocol:
+    """The same, every setting played once, for one cycle."""
+    settings = tuple(replace(s, plan=replace(s.plan, cycles=1)) for s in protocol.settings)
+    return replace(protocol, plays=1, settings=settings)
+
+
 def effects_that_show(protocol: Protocol) -> list[str]:
     """Names that can be hidden in recordings of this kind."""
     return sorted(n for n in ON_WHEELS if protocol.instruments.log_hertz or n not in NEEDS_A_LOG)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -13,8 +12,7 @@ import pytest
 from blind.campaign import make
 from blind.catalogue import Effect
 from blind.folder import write
-from blind.protocol import Protocol
-from blind.random_protocols import draw_protocol
+from blind.random_protocols import draw_protocol, once
 from serpenoid.diagnose.campaign import diagnose_campaign
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.reading import read_recordings
@@ -37,17 +35,10 @@ HIDDEN = (
 NOISY_SEED = 101779083490935  # markers alone, 7 mm of noise, five trials: how large noise is, is known to a tenth
 
 
-def once(seed: int) -> Protocol:
-    """A random protocol, every setting played for one cycle."""
-    protocol = draw_protocol(seed)
-    settings = tuple(replace(s, plan=replace(s.plan, cycles=1)) for s in protocol.settings)
-    return replace(protocol, plays=1, settings=settings)
-
-
 @pytest.mark.slow
 def test_rows_that_run_are_not_taken_to_jump_and_servos_to_lag_where_markers_are_noisy(tmp_path: Path) -> None:
     """No way to take the rows is followed within a noise that is underestimated; the best is so by chance."""
-    write(make(NOISY_SEED, [], "noisy", protocol=once(NOISY_SEED)), tmp_path)
+    write(make(NOISY_SEED, [], "noisy", protocol=once(draw_protocol(NOISY_SEED))), tmp_path)
     data = plays(read_recordings(tmp_path)[1])
     assert not data.held
     assert not choose_actuation(data).named
@@ -56,7 +47,7 @@ def test_rows_that_run_are_not_taken_to_jump_and_servos_to_lag_where_markers_are
 @pytest.mark.slow
 def test_a_law_that_first_order_scores_do_not_show_is_found_without_repeats(tmp_path: Path) -> None:
     """Two trials of one cycle each; the wheels' mount, named alone, left held-out paths astray by 41 noise levels."""
-    write(make(SEED, HIDDEN, "once", protocol=once(SEED)), tmp_path)
+    write(make(SEED, HIDDEN, "once", protocol=once(draw_protocol(SEED))), tmp_path)
     _, found = diagnose_campaign(tmp_path, None)
     assert {n.effect.name for n in found.named} == {e.name for e in HIDDEN}
     for named in found.named:
@@ -112,5 +103,5 @@ def test_a_change_of_eps_that_leaves_a_third_of_itself_is_not_all_where_nothing_
     monkeypatch.setattr(borne_out, "beyond_markers", lambda _: 1.0)
     selection = SimpleNamespace(motion=SimpleNamespace(unrepeated=unrepeated))
     found = choose_motion.MotionFinding(Stage("motion"), cast(Any, selection), (), 0.0, 0.0)
-    judged = borne_out.beside_what_is_left(found, RatioChange(0.14, 0.37, strength)).stage
+    judged = borne_out.beside_another_ratio(found, RatioChange(0.14, 0.37, strength)).stage
     assert judged.settled != told

@@ -299,10 +299,10 @@ def test_a_turn_in_place_that_all_starts_lose_the_motion_for_is_found_by_way_of_
         "task.c=0.01",
     )
     words = *asked, 'gait.family="fourier-joints"', "task.steps=30"
-    found = solve(problem("reference-optimum", *words), starts=2, seed=1)
+    found = solve(problem("reference-optimum", *words), starts=2, seed=3)
     slipped = [s for s in found.solutions if s is not found.best]
     assert slipped[0].status is Status.RESIMULATION_DISAGREES
-    assert slipped[0].trajectory.heading_change < 0.0
+    assert slipped[0].trajectory.heading_change < -1.0
     assert found.best.status is Status.SOLVED
     assert found.best.trajectory.heading_change == pytest.approx(1.5707, abs=1e-8)
     assert found.best.trajectory.displacement < 1e-7

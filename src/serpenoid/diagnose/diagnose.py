@@ -37,7 +37,7 @@ from serpenoid.diagnose.residuals.gain import Scores, gain_record, scores
 from serpenoid.diagnose.residuals.maps import residual_maps
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.beside_markers import no_larger
-from serpenoid.diagnose.stages.borne_out import beside_what_is_left, borne_out
+from serpenoid.diagnose.stages.borne_out import beside_another_ratio, borne_out
 from serpenoid.diagnose.stages.choose_motion import MotionFinding, Searched, choose_motion
 from serpenoid.diagnose.stages.choose_observation import choose_observation
 from serpenoid.diagnose.stages.choose_tracked import choose_tracked
@@ -249,8 +249,11 @@ def concluded(
             extension, better = other, unseen
     before, after = scores(found.motion, predicted), scores(found.motion, better, jumps)
     motion = borne_out(motion, extension, before, after)
-    motion = beside_what_is_left(motion, ratio_changed(motion, baseline))
-    changed, stages = ratio_changed(motion, baseline), (*stages[:-1], motion.stage)
+    changed = ratio_changed(motion, baseline)
+    alone, motion = motion, beside_another_ratio(motion, changed)
+    if motion is not alone:  # beside what is left, gaits must agree about it
+        changed = ratio_changed(motion, baseline)
+    stages = (*stages[:-1], motion.stage)
     return Diagnosis(
         verdict(stages, changed is not None), baseline, seen, stages, motion, extension, before, after,
         (predicted, better), ladder, ratio_change=changed,

@@ -66,8 +66,8 @@ class Criteria:
     joint_angles (m, R) [rad], the joint table; dissipation: T times E; gait (n): the family's parameters; c: weight of
     the dissipation, which sweeps vary. chain: from a row's joint angles to the vertices (2, N) in the body frame, if
     the body is known; in space `raised`: from the gait and the row's number to vertices (3, N). in_place: whether
-    demands want the cycle to end where it began. What is asked of places
-    and headings is asked of the first three numbers of a pose: along the floor.
+    demands want the cycle to end where it began. What is asked of places and headings is asked of the first three
+    numbers of a pose: along the floor.
     """
 
     steps: int

@@ -16,11 +16,14 @@ from serpenoid.diagnose.residuals.gain import Scores
 from serpenoid.diagnose.stages.choose_motion import MotionFinding, beyond_markers
 from serpenoid.diagnose.stages.ratio_change import RatioChange
 
-RATIO = (
+ANOTHER_RATIO = (
     "nothing was played twice, and another anisotropy ratio, which mends most, leaves more than a third of what it "
     "does: it may make up for another change"
 )
-WORDS = "nothing was played twice, and what is named does not carry over to other gaits: it may be what happened in one"
+NOT_BORNE_OUT = (
+    "nothing was played twice, and what is named does not carry over to other gaits: it may be what happened in one "
+    "trial"
+)
 
 
 def borne_out(found: MotionFinding, extension: Fit, before: Scores, after: Scores) -> MotionFinding:
@@ -33,13 +36,13 @@ def borne_out(found: MotionFinding, extension: Fit, before: Scores, after: Score
     if not fails(total(before.path), total(after.path), found.selection.noise_level_m, open_m):
         return found
     named = tuple(replace(n, stand_in=n.stand_in or n.effect.effect.moves) for n in found.stage.named)
-    return replace(found, stage=replace(found.stage, named=named, words=(*found.stage.words, WORDS)))
+    return replace(found, stage=replace(found.stage, named=named, words=(*found.stage.words, NOT_BORNE_OUT)))
 
 
-def beside_what_is_left(found: MotionFinding, changed: RatioChange | None) -> MotionFinding:
+def beside_another_ratio(found: MotionFinding, changed: RatioChange | None) -> MotionFinding:
     """With words for what is left beside a change of eps where nothing was played twice: what is left beyond the
     markers' noise may be what the change makes up for, if it does less than 1 / LAW_ERROR times as much."""
     motion = found.selection.motion
     if changed is None or not motion.unrepeated or LAW_ERROR * changed.strength >= beyond_markers(motion):
         return found
-    return replace(found, stage=replace(found.stage, words=(*found.stage.words, RATIO)))
+    return replace(found, stage=replace(found.stage, words=(*found.stage.words, ANOTHER_RATIO)))
