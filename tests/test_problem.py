@@ -15,7 +15,7 @@ from serpenoid.body import Floats
 from serpenoid.cli.main import main
 from serpenoid.compare.calibrate import calibrate
 from serpenoid.errors import InputError
-from serpenoid.gaits import EllipseGait, families
+from serpenoid.gaits import EllipseGait, TableGait, families
 from serpenoid.measure.load import load_campaign
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.model import Model
@@ -436,11 +436,21 @@ TABLE = "body.vertices=5", "gait.family=table", "task.steps=6"
 @pytest.mark.parametrize(("rows", "joints"), [(5, 3), (9, 2), (6, 2)])
 def test_a_table_of_other_rows_or_joints_is_refused_and_not_resampled(rows: int, joints: int) -> None:
     angles = [[0.1 * row] * joints for row in range(rows)]
-    asked = problem("reference", *TABLE, f"gait.angles={angles}")
-    with pytest.raises(InputError, match=rf"needs 6 rows of 3 joint angles, got {rows} of {joints}\. Set task\.steps"):
+    said = rf"needs 6 rows of 3 joint angles, got {rows} of {joints}\. Set task\.steps"
+    with pytest.raises(InputError, match=rf"reference\.toml: \[gait\] `angles` of a table {said}"):
+        problem("reference", *TABLE, f"gait.angles={angles}")
+    asked = problem("reference", *TABLE).model_copy(update={"gait": TableGait.from_angles(np.array(angles))})
+    with pytest.raises(InputError, match=said):
         solve(asked, starts=1)
-    with pytest.raises(InputError, match="needs 6 rows of 3"):
+    with pytest.raises(InputError, match=said):
         simulate(asked)
+
+
+def test_a_transient_has_one_row_more_and_that_is_refused_of_a_cycle() -> None:
+    angles = [[0.1 * row] * 3 for row in range(7)]
+    assert simulate(problem("reference", *TABLE, "task.transient=true", f"gait.angles={angles}")).table.shape == (7, 3)
+    with pytest.raises(InputError, match="needs 6 rows of 3"):
+        simulate(problem("reference", *TABLE, f"gait.angles={angles}"))
 
 
 @pytest.mark.parametrize(("change", "said"), [(("task.steps=6",), True), ((), False), (("task.steps=5",), False)])

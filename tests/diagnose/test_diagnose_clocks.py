@@ -129,8 +129,29 @@ def test_a_log_is_laid_over_a_film_that_hides_a_marker_whenever_the_robot_moves(
 
 def test_rates_that_differ_by_chance_or_by_what_a_displaced_marker_makes_are_one() -> None:
     draws, sd = np.random.default_rng(3).normal(size=(200, 6)), 5e-5
-    assert not any(run_apart([Clock(0.0, 1e-3 + sd * x, 0.0, sd) for x in draw]) for draw in draws)
+    assert not any(_apart([Clock(0.0, 1e-3 + sd * x, 0.0, sd) for x in draw]) for draw in draws)
     drawn_aside = [Clock(0.0, x, 0.0, sd, apart=(0.0, 2 * sd)) for x in (0.0, 0.0, 2e-3)]  # one gait bends beside it
-    assert not run_apart(drawn_aside)
-    assert run_apart([Clock(0.0, x, 0.0, sd, apart=(x, 2 * sd)) for x in (0.0, 0.0, 2e-3)])
-    assert not run_apart([Clock(0.0, 2e-3, 0.0, sd)])
+    assert not _apart(drawn_aside)
+    assert _apart([Clock(0.0, x, 0.0, sd, apart=(x, 2 * sd)) for x in (0.0, 0.0, 2e-3)])
+    assert not _apart([Clock(0.0, 2e-3, 0.0, sd)])
+
+
+def _apart(clocks: list[Clock]) -> bool:
+    """Of trials of a gait each."""
+    return run_apart(clocks, [(f"gait {n}", 4.0) for n in range(len(clocks))])
+
+
+@pytest.mark.parametrize(
+    ("rates", "order", "apart"),
+    [
+        ((0.0, 0.0, 2e-3, 0.0, 0.0, 2e-3), "abcabc", False),  # whenever gait c is played
+        ((0.0, 0.0, 2e-3, 0.0, 0.0, 0.0), "abcabc", True),  # once
+        ((0.0, 0.0, 0.0, 2e-3, 2e-3, 2e-3), "abcabc", True),  # a camera that was started anew between the rounds
+        ((0.0, 0.0, 2e-3, 2e-3, 0.0, 0.0), "aabbcc", True),  # gait by gait: it may be either
+        ((0.0, 0.0, 0.0, 2e-3), "abab", True),
+        ((0.0, 2e-3, 0.0), "aba", False),  # of b alone, with a before and after: no other clock between the two
+    ],
+)
+def test_a_rate_that_comes_with_a_gait_is_no_clock_s(rates: tuple[float, ...], order: str, apart: bool) -> None:
+    clocks = [Clock(0.0, rate, 0.0, 1e-4) for rate in rates]
+    assert run_apart(clocks, [(gait, 4.0) for gait in order]) is apart

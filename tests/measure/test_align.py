@@ -15,7 +15,7 @@ from serpenoid.measure import clock
 from serpenoid.measure.chain import estimate_about, estimate_chain
 from serpenoid.measure.clock import find_offset, interpolate, interpolate_smoothly
 from serpenoid.measure.links import chain_vertices
-from serpenoid.measure.quality import find_gaps, find_jumps
+from serpenoid.measure.quality import find_gaps, find_holes, find_jumps
 from serpenoid.measure.relabel import label_vertices
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.smooth import smooth_states
@@ -191,9 +191,25 @@ def test_a_symmetric_chain_without_any_name_is_refused():
 
 def test_gaps_are_runs_of_undetermined_frames():
     known = np.array([1, 1, 0, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1], dtype=bool)
-    short, long = find_gaps(known, np.arange(16) / 60)
+    short, long = find_gaps(known, np.arange(16) / 60, known)
     assert (short.first, short.last, short.short) == (2, 2, True)
     assert (long.first, long.last, long.short) == (6, 13, False)
+
+
+@pytest.mark.parametrize("frames_per_second", [3.0, 8.0, 15.0, 60.0])
+def test_a_frame_that_is_lost_alone_is_bridged_at_any_rate_and_two_where_that_is_short(frames_per_second: float):
+    known = np.array([1, 1, 0, 1, 1, 1, 0, 0, 1, 1], dtype=bool)
+    time, none = np.arange(10) / frames_per_second, np.zeros(10, dtype=bool)
+    one, two = find_gaps(known, time, none)
+    assert (one.short, two.short) == (True, frames_per_second == 60.0)
+    assert not len(find_holes(np.delete(time, 4)))
+    assert find_holes(np.delete(time, [4, 5])).tolist() == ([] if frames_per_second == 60.0 else [4])
+
+
+def test_a_slow_frame_whose_points_do_not_tell_the_chain_is_a_gap():
+    known = np.array([1, 1, 1, 0, 1, 1, 1], dtype=bool)
+    (gap,) = find_gaps(known, np.arange(7) / 8, np.ones(7, dtype=bool))
+    assert not gap.short
 
 
 def test_a_bumped_camera_is_found_and_nothing_where_nothing_happened():

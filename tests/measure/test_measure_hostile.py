@@ -82,7 +82,7 @@ def bending(at: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("apart", "hole", "runs"), [(1 / 60, 1000.0, 2), (1 / 60, 0.05, 1), (0.3, 0.3, 2), (0.3, 0.0, 1)]
+    ("apart", "hole", "runs"), [(1 / 60, 1000.0, 2), (1 / 60, 0.05, 1), (0.3, 0.6, 2), (0.3, 0.3, 1), (0.3, 0.0, 1)]
 )
 def test_no_step_crosses_frames_that_are_missing_from_the_file(apart, hole, runs):
     at = apart * np.arange(60)

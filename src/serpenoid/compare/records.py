@@ -52,7 +52,9 @@ def trial_record(trial: Trial) -> dict[str, Any]:
             "hidden_share": motion.hidden_share, "marker_sd_body_lengths": motion.marker_sd,
             "marker_sd_mm": 1000 * metres * motion.marker_sd,
             "interpolated_frames": int(motion.interpolated.sum()),
-            "long_gaps": [vars(gap) for gap in motion.gaps if not gap.short],
+            "long_gaps": [
+                {"first": g.first, "last": g.last, "duration_s": g.duration_s} for g in motion.gaps if not g.short
+            ],
             "jumps": [vars(jump) for jump in motion.jumps],
             "relabelled": [{"marker": name, "vertex": vertex} for name, vertex in motion.relabelled],
             "unused_markers": list(motion.unused),

@@ -5,6 +5,7 @@ The row after the last is the first again, unless the task is a transient.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, ClassVar, Literal, Self
 
@@ -46,6 +47,12 @@ class TableGait(Gait):
     def from_angles(cls, angles: Floats) -> TableGait:
         """The gait of a joint table (R, m) [rad]."""
         return cls(angles=tuple(tuple(row) for row in np.asarray(angles).tolist()))
+
+    def misfit(self, joints: int, steps: int) -> str | None:
+        """Rows of other joints, or of another cycle: closed it has a row for each step, a transient has one more."""
+        if self.angles is None or {len(row) for row in self.angles} == {joints} and len(self.angles) - steps in (0, 1):
+            return None
+        return _needed(self.angles, str(steps), joints)
 
     def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> TableFamily:
         """Free tables of `rows` rows."""
@@ -90,13 +97,8 @@ class TableFamily(AngleFamily):
 
     def _fitting(self, angles: tuple[tuple[float, ...], ...]) -> Floats:
         """The same (n,); rows are not resampled: which motion lies between them is for the user to say."""
-        widths = {len(row) for row in angles}
-        if len(angles) != self.rows or widths != {self.joints}:
-            got = f"{len(angles)} of {' and '.join(str(width) for width in sorted(widths))}"
-            raise InputError(
-                f"`angles` of a table needs {self.rows} rows of {self.joints} joint angles, got {got}. Set task.steps "
-                "to its number of rows (one less if transient), or resample it."
-            )
+        if len(angles) != self.rows or {len(row) for row in angles} != {self.joints}:
+            raise InputError(f"{_needed(angles, str(self.rows), self.joints)}.")
         return np.array(angles).ravel()
 
     def sample(self, rng: np.random.Generator) -> Floats:
@@ -142,3 +144,11 @@ class TableFamily(AngleFamily):
 
     def gait(self, p: Floats) -> TableGait:
         return TableGait.from_angles(p.reshape(self.rows, self.joints))
+
+
+def _needed(angles: Sequence[Sequence[float]], rows: str, joints: int) -> str:
+    got = f"{len(angles)} of {' and '.join(str(width) for width in sorted({len(row) for row in angles}))}"
+    return (
+        f"`angles` of a table needs {rows} rows of {joints} joint angles, got {got}. Set task.steps to its number "
+        "of rows (one less if transient), or resample it"
+    )

@@ -10,21 +10,19 @@ from numpy.typing import NDArray
 from serpenoid.measure.cells import Floats
 
 SHORT_GAP_S = 0.1  # a body moves little in this time; longer gaps split the track
+ONE_MISSING = 2.5  # times the usual way from frame to frame: less is one frame, whose time stamps are uneven
 JUMP_SIGMA = 8.0  # robust standard deviations: no jump in a million frames of clean data
 SMALLEST_JUMP = 0.004  # body lengths: a third of a centimetre on a metre; smaller ones drown in marker noise anyway
 
 
 @dataclass(frozen=True)
 class Gap:
-    """Frames first..last (inclusive) in which the chain is not determined."""
+    """Frames first..last (inclusive) in which the chain is not determined; short: for so little that it is bridged."""
 
     first: int
     last: int
     duration_s: float
-
-    @property
-    def short(self) -> bool:
-        return self.duration_s <= SHORT_GAP_S
+    short: bool
 
 
 @dataclass(frozen=True)
@@ -37,9 +35,20 @@ class Jump:
     size: float
 
 
-def find_gaps(determined: NDArray[np.bool_], time_s: Floats) -> tuple[Gap, ...]:
-    """Every run of undetermined frames."""
-    return tuple(Gap(a, b - 1, _span(a, b - 1, time_s)) for a, b in stretches(~determined))
+def find_gaps(determined: NDArray[np.bool_], time_s: Floats, seen: NDArray[np.bool_]) -> tuple[Gap, ...]:
+    """Every run of undetermined frames (F,); seen (F,): frames that show any point. One that shows none is lost, as one
+    that is not in the file; where points are seen, and the chain is not known, something is wrong with them."""
+    usual, found = bridged_s(time_s), []
+    for first, stop in stretches(~determined):
+        lasts = _span(first, stop - 1, time_s)
+        found.append(Gap(first, stop - 1, lasts, lasts <= (SHORT_GAP_S if seen[first:stop].any() else usual)))
+    return tuple(found)
+
+
+def bridged_s(time_s: Floats) -> float:
+    """How long frames may be lost [s] and be bridged: a frame alone at any rate, for film that is too slow to be
+    without one of its frames is too slow to be used."""
+    return max(SHORT_GAP_S, ONE_MISSING * float(np.median(np.diff(time_s))))
 
 
 def stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
@@ -49,9 +58,8 @@ def stretches(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 
 def find_holes(time_s: Floats) -> NDArray[np.int64]:
-    """Frames before which at least one is missing from the file, for longer than a short gap."""
-    apart = np.diff(time_s)
-    return np.asarray(1 + np.flatnonzero(apart > max(SHORT_GAP_S, 1.5 * float(np.median(apart)))))
+    """Frames before which more are missing from the file than are bridged."""
+    return np.asarray(1 + np.flatnonzero(np.diff(time_s) > bridged_s(time_s)))
 
 
 def _span(first: int, last: int, time_s: Floats) -> float:

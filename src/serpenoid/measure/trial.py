@@ -174,7 +174,7 @@ def build_motion(
             points = unstretched(body, markers, stretched, estimate.vertices)
             estimate = estimate_chain(body, points)
         estimate = completed(body, points, time_s, estimate)
-    cuts = _cuts(estimate, time_s, strays) if like is None else (like.gaps, like.jumps, like.runs)
+    cuts = _cuts(estimate, markers, time_s, strays) if like is None else (like.gaps, like.jumps, like.runs)
     if (helped is None and either_way) or not cuts[2]:
         raise InputError(
             f"in no {SHORTEST_RUN} successive frames are enough markers seen to know the chain's shape"
@@ -203,9 +203,9 @@ def _counted(never: NDArray[np.int64]) -> str:
     return f" (never seen: vertices {names}; 0 is the tail)" if len(never) else ""
 
 
-def _cuts(estimate: ChainEstimate, time_s: Floats, strays: tuple[Jump, ...]) -> tuple:
+def _cuts(estimate: ChainEstimate, markers: Floats, time_s: Floats, strays: tuple[Jump, ...]) -> tuple:
     """Gaps, jumps, and the runs of frames between them; strays: markers that were left out, which cut nothing."""
-    gaps = find_gaps(estimate.determined, time_s)
+    gaps = find_gaps(estimate.determined, time_s, np.asarray(np.isfinite(markers[..., 0]).any(axis=1)))
     jumps = find_jumps(estimate.poses, estimate.covariance, estimate.marker_residual, estimate.marker_sd, time_s)
     jumps = tuple(sorted((*jumps, *strays), key=lambda jump: jump.frame))
     return gaps, jumps, _runs(gaps, jumps, find_holes(time_s), len(time_s))

@@ -60,16 +60,28 @@ def pooled(clocks: Sequence[Clock]) -> tuple[float, float]:
     return float(weight @ [c.rate for c in clocks] / weight.sum()), float(1 / np.sqrt(weight.sum()))
 
 
-def run_apart(clocks: Sequence[Clock]) -> bool:
-    """Whether the rate differs from trial to trial by more than chance makes, at the stated error; also as it is told
-    apart from displaced markers, which draw it aside as far as gaits bend beside them."""
-    return all(_differ(some) for some in (clocks, [c.told_apart for c in clocks]))
+def run_apart(clocks: Sequence[Clock], settings: Sequence[tuple[str, float]]) -> bool:
+    """Whether the rate differs from trial to trial, in their order, by more than chance makes, at the stated error;
+    also as it is told apart from displaced markers, which draw it aside as far as gaits bend beside them.
+
+    What all trials of a setting share, though others were played between them, is the gait's and no clock's: servos
+    that fall behind in the course of a trial do so whenever it is played."""
+    alike, apart = _of_one_gait(settings), [c.told_apart for c in clocks]
+    return all(_differ([[some[i] for i in same] for same in alike]) for some in (clocks, apart))
 
 
-def _differ(clocks: Sequence[Clock]) -> bool:
-    rate, _ = pooled(clocks)
-    squares = sum(((c.rate - rate) / (SYSTEMATIC * c.rate_sd)) ** 2 for c in clocks)
-    return len(clocks) > 1 and bool(squares > chdtri(len(clocks) - 1, ERROR))
+def _of_one_gait(settings: Sequence[tuple[str, float]]) -> list[list[int]]:
+    """Trials of each setting that has others between its trials, and all that are left."""
+    by = {s: [i for i, other in enumerate(settings) if other == s] for s in settings}
+    between = [same for same in by.values() if same[-1] - same[0] >= len(same)]
+    return [*between, [i for i in range(len(settings)) if all(i not in same for same in between)]]
+
+
+def _differ(alike: Sequence[Sequence[Clock]]) -> bool:
+    """About a rate of each group."""
+    squares = [((c.rate - pooled(same)[0]) / (SYSTEMATIC * c.rate_sd)) ** 2 for same in alike for c in same]
+    degrees = len(squares) - sum(bool(same) for same in alike)
+    return degrees > 0 and bool(sum(squares) > chdtri(degrees, ERROR))
 
 
 def _too_little(cameras: Signal) -> str:

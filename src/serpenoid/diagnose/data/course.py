@@ -5,7 +5,7 @@ Legend: C times of a course, R readings, m joints.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,6 +18,7 @@ MET_S = 1e-6  # a step that ends them
 WITHIN = 12  # moments within a row, and again between two of these
 COURSES = 16  # of a joint, that are kept
 SOME = 100  # a course's rows from one to the next that it is looked up by
+LOOKED_AT = 500  # readings of a trial that say about when it began (results/benchmarks/late_starts.md)
 
 
 @dataclass(frozen=True)
@@ -82,8 +83,8 @@ class Readings:
     than `near` [s].
 
     apart [s]: of rows that jump, 0 if none do. Readings amid a jump alone say which way a course that jumps is off, so
-    that within a row it is looked for at every moment. What a joint's readings miss of a course at a moment is kept:
-    from fit to fit most joints play the same.
+    that within a row it is looked for at every moment. That is done by some of them (LOOKED_AT), from there all say.
+    What a joint's readings miss of a course at a moment is kept: from fit to fit most joints play the same.
     """
 
     time: Floats
@@ -93,16 +94,27 @@ class Readings:
 
     def late(self, course: Course) -> float:
         """[s]."""
-        late = self._met(course, 0.0)
         if not self.apart:
-            return late
+            return self._met(course, 0.0)
+        late = self._some._about(course)
+        nearer = self._met(course, late)
+        return min((late, nearer), key=lambda t: float(np.nansum((self.angles - course.at(self.time - t)) ** 2)))
+
+    @cached_property
+    def _some(self) -> Readings:
+        """Some of the readings, evenly spaced."""
+        every = max(len(self.time) // LOOKED_AT, 1)
+        return self if every == 1 else replace(self, time=self.time[::every], angles=self.angles[::every])
+
+    def _about(self, course: Course) -> float:
+        """The best of all moments [s] within a row of where slopes lead."""
+        late = self._met(course, 0.0)
         for step in (self.apart / WITHIN, self.apart / WITHIN**2):
             most = int(np.ceil(self.near / step))  # the last one is at the end
             moments = np.unique(np.clip(round(late / step) + np.arange(-WITHIN, WITHIN + 1), -most, most))
             best = int(moments[np.argmin(self._missed(course, step, moments))])
             late = min(max(best * step, -self.near), self.near)
-        nearer = self._met(course, late)
-        return min((late, nearer), key=lambda t: float(np.nansum((self.angles - course.at(self.time - t)) ** 2)))
+        return late
 
     def _missed(self, course: Course, step: float, moments: np.ndarray) -> Floats:
         """Sums of squares (K,) [rad^2] of what readings miss at each of the moments (K,), in steps [s]."""

@@ -151,7 +151,9 @@ def _refuse_short(r: Recording) -> None:
 def with_one_rate(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     """The rate between two devices' clocks is one in all trials, as noisy markers tell little of it in each; unless
     they tell that it is not."""
-    if not all(r.by_servos and r.clock.rate_sd > 0 for r in recordings) or run_apart([r.clock for r in recordings]):
+    clocks = [r.clock for r in recordings]
+    told = all(r.by_servos and c.rate_sd > 0 for r, c in zip(recordings, clocks, strict=True))
+    if not told or run_apart(clocks, [r.setting for r in recordings]):
         return tuple(recordings)
     rate, _ = pooled([r.clock for r in recordings])
     return tuple(_at_rate(r, rate) for r in recordings)

@@ -37,7 +37,7 @@ def rates_by_trial(recordings: Sequence[Recording], best: Looked) -> Divided | N
     started anew, or another one was taken."""
     kind = _kind(best)
     clocks = [r.clock for r in recordings]
-    if kind is None or not run_apart(clocks):
+    if kind is None or not run_apart(clocks, [r.setting for r in recordings]):
         return None
     rates = np.array([c.rate for c in clocks])
     off = np.abs(rates - pooled(clocks)[0])
