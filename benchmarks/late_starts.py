@@ -3,8 +3,8 @@
     python benchmarks/late_starts.py > results/benchmarks/late_starts.md
 
 Films without a servo log whose joints jump from row to row of the table and follow with a lag: nothing says when a
-trial began. Rates of frames, noise, numbers of joints and rows are drawn at random; the servos' lag is known to 50 %, so
-that the course is that of a model which is wrong, as in a search.
+trial began. Rates of frames, noise, numbers of joints and rows are drawn at random; the servos' lag is known to 50 %,
+so that the course is that of a model which is wrong, as in a search.
 """
 
 from __future__ import annotations

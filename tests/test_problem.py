@@ -462,3 +462,25 @@ def test_a_file_of_other_rows_than_steps_is_played_as_it_is_and_that_is_said(
     sets = [word for one in change for word in ("--set", one)]
     assert main(["simulate", str(tmp_path / "p.toml"), "--no-figures", "--out", str(tmp_path / "out"), *sets]) == 0
     assert ("is played as it is, 5 rows: task.steps = 6 is not used" in capsys.readouterr().out) == said
+
+
+def test_angles_that_may_be_degrees_are_told_where_a_simulation_is_shown() -> None:
+    angles = [[30.0] * 3] * 6
+    shown = repr(simulate(problem("reference", *TABLE, f"gait.angles={angles}")))
+    assert "joint_1 reaches 1718.9 degrees, more than half a turn. Angles of gaits are in radians" in shown
+    assert "warning" not in repr(simulate(problem("reference")))
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ("task.constraints.heading_change_rad=90", "heading_change_rad: 90 rad are more than a whole turn"),
+        ('task.objectives=[{kind="heading", target_rad=45}]', "target_rad: 45 rad are more than a whole turn"),
+        ('task.objectives=[{kind="heading", target_rad=45, cycles=8}]', ""),
+        ("task.constraints.heading_change_rad=1.5", ""),
+    ],
+)
+def test_a_turn_by_more_than_a_whole_one_in_a_cycle_may_be_in_degrees(asked: str, told: str) -> None:
+    said = " ".join(problem("reference", asked).odd_units)
+    assert told in said
+    assert bool(told) is bool(said)

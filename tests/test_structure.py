@@ -56,7 +56,7 @@ MAY_IMPORT = {
     "model_file": LEFT_OF_MODELS | {"effects"},
     "cases": LEFT_OF_MODELS | {"model", "effects", "model_file", "problem"},
     "mechanics": LEFT_OF_MODELS | {"model", "effects", "media"},
-    "simulation": LEFT_OF_MODELS | {"model", "effects", "media", "trajectory", "problem", "mechanics"},
+    "simulation": LEFT_OF_MODELS | {"model", "effects", "media", "trajectory", "problem", "mechanics", "joint_limits"},
     "optimise": LEFT_OF_MODELS
     | {"model", "media", "effects", "trajectory", "problem", "cases", "self_contact", "mechanics", "simulation"},
 }

@@ -34,6 +34,7 @@ from serpenoid.model_file import read_model_file
 from serpenoid.objectives import Demand, Displacement, Term, demands, terms
 from serpenoid.objectives.contradictions import contradiction
 from serpenoid.objectives.efficiency import Efficiency
+from serpenoid.objectives.heading import Heading
 from serpenoid.objectives.shape import Shape
 from serpenoid.objectives.term import Ask, Rows
 from serpenoid.wording import listed
@@ -259,6 +260,19 @@ class Problem(Record):
             bounds = bounds.fixed(xi=(frequency, frequency))
         gait = gait if self.lift is None else lifted(gait, self.lift)
         return gait.of(self.body.joint_count, task.steps + task.transient, bounds, not task.transient)
+
+    @property
+    def odd_units(self) -> tuple[str, ...]:
+        """What looks to be told in another unit, as sentences: lengths and limits of the body, turns of a gait."""
+        wanted, told = self.task.constraints.heading_change_rad, "task.constraints.heading_change_rad"
+        asked = [] if wanted is None else [(told, wanted)]
+        headings = [t for t in self.task.objectives if isinstance(t, Heading)]
+        asked += [("[[task.objectives]] target_rad", t.target_rad / t.cycles) for t in headings]
+        turns = [(name, turn) for name, turn in asked if abs(turn) > 2 * np.pi]
+        return (
+            *self.body.odd_units,
+            *(f"{name}: {turn:g} rad are more than a whole turn in one cycle. Degrees?" for name, turn in turns),
+        )
 
     @property
     def name(self) -> str:

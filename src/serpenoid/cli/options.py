@@ -148,7 +148,7 @@ def warn_of_problem(problem: Problem) -> None:
     """
     if problem.body_note is not None:
         complain(f"{problem.body_note}.")
-    for said in problem.body.odd_units:
+    for said in problem.odd_units:
         complain(f"warning: {said}")
     if problem.joint_speed_limit_rpm is not None and problem.task.cycle_duration_s is None:
         complain(
