@@ -14,11 +14,12 @@ from scipy.special import ndtri
 
 from serpenoid.diagnose.data.chance import ERROR
 from serpenoid.diagnose.data.paths import strength
+from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.medium import Fit, linearised
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_motion import MotionFinding
-from serpenoid.diagnose.stages.values_of_motion import fits_of_ratio, ratio_ends, ratio_interval
+from serpenoid.diagnose.stages.values_of_motion import ends_by_gaits, fits_of_ratio, ratio_ends, ratio_interval
 from serpenoid.model import Model
 
 
@@ -40,7 +41,8 @@ class RatioChange:
 
 def ratio_changed(found: MotionFinding, baseline: Baseline) -> RatioChange | None:
     """By more than chance makes of it at the stated error, with and without names that may be stand-ins and effects
-    below detection, which may take its place, and visibly; where something is left, by more than gaits disagree about.
+    below detection, which may take its place, and visibly; where something is left, by more than gaits disagree about,
+    and so where cycles of a trial tell noise: what they share, as a body that was laid elsewhere, each gait has once.
     None where it is not, or without a reference."""
     motion, settled = found.selection.motion, found.selection.settled
     then = baseline.ratio_before(motion.tracks)
@@ -49,6 +51,7 @@ def ratio_changed(found: MotionFinding, baseline: Baseline) -> RatioChange | Non
     far = float(ndtri(1 - ERROR / 2))
     fits = (*fits_of_ratio(found.selection, found.stage), found.selection.best)
     held = [ratio_ends(motion, fit, far) for fit in fits] + [ratio_interval(found.selection, found.stage)]
+    held += [ends_by_gaits(motion, fit) for fit in fits] if chance_from(motion.tracks) == "cycles" else []
     if any(low <= then[1] and then[0] <= high for low, high in held):
         return None
     before, after = baseline.model.medium.anisotropy_ratio, settled.model.medium.anisotropy_ratio
