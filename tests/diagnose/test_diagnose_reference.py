@@ -24,6 +24,7 @@ from serpenoid.diagnose.data.noise import residuals
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.reading import read_recordings
 from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.told import Told
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
 from serpenoid.diagnose.inference.finding import Named, Stage
@@ -302,7 +303,12 @@ def test_rows_and_beginnings_are_as_in_a_reference_where_a_log_does_not_say(tmp_
     servos = replace(plays(then), known=(ActiveEffect.of("servo_lag", lag=lag),))
     reference = Reference(model, Observation.neutral(model.body), (), unknown, unknown, servos, 0.0)
     assert reference.rows_held([]) is True
-    assert reference.rows_held(then) is None  # whose own commands say it
+    assert reference.rows_held(then) is True  # whose commands say the same
+    other = [replace(r, told=replace(cast(Told, r.told), held=False)) for r in then]
+    assert reference.rows_held(other) is None  # played by another player, as its commands say
+    run = tuple(r.taken(held=False, goals=False) for r in then)
+    smooth = replace(reference, servos=replace(servos, recordings=run))
+    assert smooth.rows_held(then) is False  # what readings followed best then, whatever they follow best now
     assert reference.rows_said
     read = tuple(replace(r, told=None, commands=None) for r in servos.recordings)
     silent = replace(reference, servos=replace(servos, recordings=read))  # rows as they were taken, if nobody said it

@@ -141,8 +141,10 @@ class Reference(Baseline):
         return min(low / self.ratio, 1.0), max(high / self.ratio, 1.0)
 
     def rows_held(self, recordings: Sequence[Recording]) -> bool | None:
-        """As all logs then said that have clear commands, or as they were taken: one player plays the robot."""
-        return None if any(r.held_as_told is not None for r in recordings) else self.servos.held
+        """As they were taken then: one player plays the robot. What readings follow best is open where clear commands
+        of logs are others than then, or were goals."""
+        now, then = ({r.held_as_told for r in some} - {None} for some in (recordings, self.servos.recordings))
+        return None if self.servos.goals or (now and now != then) else self.servos.held
 
     @property
     def rows_said(self) -> bool:
