@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import jsonschema
@@ -27,6 +28,7 @@ from serpenoid.measure.write import write_motive
 from serpenoid.problem import load
 from serpenoid.robot.checks import check_table
 from serpenoid.robot.description import Robot
+from serpenoid.scaffold.add import NewTrial, add_trial
 from serpenoid.scaffold.json_schema import schema_of
 from serpenoid.simulation.problem import simulate
 from serpenoid.table_file import read_table, write_table
@@ -500,6 +502,21 @@ def test_films_of_an_animal_become_a_campaign_by_two_commands(worm: Path, capsys
     assert "made up" not in (worm / "c" / "campaign.toml").read_text()
     assert main(["campaign", "add", "c", "worm-2.csv"]) == 2
     assert "has a trial `worm-2` already" in capsys.readouterr().err
+
+
+def test_films_that_are_added_at_the_same_time_are_all_there(worm: Path) -> None:
+    new("campaign", worm / "c", *FILMED)
+    lines = (worm / "worm-2.csv").read_text().splitlines()
+    films = [worm / f"film-{n}.csv" for n in range(4)]
+    for n, film in enumerate(films):
+        rows = [[float(cell) for cell in line.split(",")] for line in lines[3:]]
+        moved = [",".join(map(repr, [frame, *(x + 10 * n for x in points)])) for frame, *points in rows]
+        film.write_text("\n".join([*lines[:3], *moved]) + "\n")
+    with ThreadPoolExecutor(len(films)) as pool:
+        names = list(pool.map(lambda film: add_trial(worm / "c", NewTrial(None, film)), films))
+    trials = [trial.name for trial in load_campaign(worm / "c").trials]
+    assert {*names} < {*trials}
+    assert len(trials) == 1 + len(films)
 
 
 def test_an_end_that_the_names_of_the_points_contradict_is_refused(worm: Path, capsys: pytest.CaptureFixture) -> None:

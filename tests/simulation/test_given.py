@@ -87,6 +87,13 @@ def test_complex_angles_are_refused_and_not_cut_to_their_real_part(name: str) ->
         DOORS[name](reference(), 1j * np.ones((20, 10)))
 
 
+@pytest.mark.parametrize("name", DOORS)
+def test_masked_angles_are_refused_and_not_read_behind_their_mask(name: str) -> None:
+    masked = np.ma.masked_greater(np.linspace(0, 1, 200).reshape(20, 10), 0.9)
+    with pytest.raises(InputError, match=rf"`{name}` must be an array of numbers .*some are masked\. Fill them"):
+        DOORS[name](reference(), masked)
+
+
 def test_a_certificate_of_what_is_no_number_names_the_table() -> None:
     asked = problem("reference")
     table = sp.simulate(asked).table

@@ -15,13 +15,14 @@ from serpenoid.errors import InputError
 
 
 @contextmanager
-def alone(kind: str, path: str | Path, refused: str) -> Iterator[None]:
-    """Hold a path of a kind for this process, until it ends at the latest; InputError at once where another holds it.
+def alone(kind: str, path: str | Path, refused: str, wait_s: float = 0.0) -> Iterator[None]:
+    """Hold a path of a kind for this process, until it ends at the latest; InputError where another holds it, and does
+    so after `wait_s` [s] still.
 
     The lock is a file of the temporary folder, named after the path.
     """
-    name = hashlib.sha256(os.path.realpath(path).encode()).hexdigest()[:12]
-    lock = FileLock(Path(tempfile.gettempdir()) / f"serpenoid-{kind}-{name}.lock", timeout=0, mode=0o666)
+    name = hashlib.sha256(os.fsencode(os.path.realpath(path))).hexdigest()[:12]
+    lock = FileLock(Path(tempfile.gettempdir()) / f"serpenoid-{kind}-{name}.lock", timeout=wait_s, mode=0o666)
     try:
         lock.acquire()
     except Timeout:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from serpenoid.errors import InputError
+from serpenoid.files.alone import alone
 from serpenoid.files.inputs import read_json, read_text
 from serpenoid.files.schema import plain_name, read_toml, validate
 from serpenoid.files.writing import write_text
@@ -27,6 +28,8 @@ from serpenoid.scaffold.campaign import BEGIN, END
 from serpenoid.table_file import read_table
 
 FILES = {"servo_log": "servo.csv", "power_log": "power.csv", "joint_table": "joint_table.csv"}
+
+WAIT_S = 60.0  # for another process that adds a trial: it reads one film
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,13 @@ class NewTrial:
 
 
 def add_trial(campaign: Path, new: NewTrial) -> str:
-    """Copy the files into the campaign's folder and append the trial; returns its name. A fault changes nothing."""
+    """Copy the files into the campaign's folder and append the trial; returns its name. A fault changes nothing. What
+    is added at the same time is added one after the other."""
+    with alone("campaign", campaign, f"{campaign}: another process adds trials to it. Wait until it has.", WAIT_S):
+        return _add_trial(campaign, new)
+
+
+def _add_trial(campaign: Path, new: NewTrial) -> str:
     file = campaign / "campaign.toml" if campaign.is_dir() else campaign
     known, folder = load_campaign_file(campaign)
     entry = _entry(known, folder, new)

@@ -22,6 +22,8 @@ def shaped(name: str, values: Floats, shape: Sequence[int], least: int = 1) -> F
     try:
         if np.iscomplexobj(values):  # NumPy would drop the imaginary part, with a warning at most
             raise TypeError("got complex ones. Take the real part where that is what is meant")
+        if np.ma.is_masked(values):  # NumPy would take what stands behind the mask
+            raise TypeError("some are masked. Fill them with what is meant, or with NaN: values.filled(np.nan)")
         values = np.asarray(values, float)
     except (TypeError, ValueError) as fault:
         raise InputError(f"`{name}` must be an array of numbers of shape {_words(shape, least)}: {fault}.") from None
