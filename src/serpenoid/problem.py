@@ -197,7 +197,8 @@ class Problem(Record):
 
     @model_validator(mode="after")
     def _gait_fits(self) -> Self:
-        if (said := self.gait.misfit(self.body.joint_count, self.task.steps)) is not None:
+        size = self.body.joint_count, self.task.steps
+        if (said := self.gait.misfit(*size) or self.gait.misstated(*size)) is not None:
             raise ValueError(f"[gait] {said}")
         return self
 

@@ -46,6 +46,10 @@ class Gait(GaitNumbers):
         """Why it is no gait of a body with so many joints and a cycle of so many steps; None: it is."""
         return None
 
+    def misstated(self, joints: int, steps: int) -> str | None:
+        """What of it no file with such a body and cycle may state, though it can be played by itself; None: nothing."""
+        return None
+
     def curve(self, phases: Floats) -> Floats | None:
         """(w1, w2) at `phases` [cycles], shape (n,) -> (n, 2), if the gait is a curve in that space."""
         return None

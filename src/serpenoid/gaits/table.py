@@ -48,7 +48,7 @@ class TableGait(Gait):
         """The gait of a joint table (R, m) [rad]."""
         return cls(angles=tuple(tuple(row) for row in np.asarray(angles).tolist()))
 
-    def misfit(self, joints: int, steps: int) -> str | None:
+    def misstated(self, joints: int, steps: int) -> str | None:
         """Rows of other joints, or of another cycle: closed it has a row for each step, a transient has one more."""
         if self.angles is None or {len(row) for row in self.angles} == {joints} and len(self.angles) - steps in (0, 1):
             return None
