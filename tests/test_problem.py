@@ -451,6 +451,8 @@ def test_a_transient_has_one_row_more_and_that_is_refused_of_a_cycle() -> None:
     assert simulate(problem("reference", *TABLE, "task.transient=true", f"gait.angles={angles}")).table.shape == (7, 3)
     with pytest.raises(InputError, match="needs 6 rows of 3"):
         simulate(problem("reference", *TABLE, f"gait.angles={angles}"))
+    with pytest.raises(InputError, match="needs 7 rows of 3 joint angles, got 6 of 3"):
+        problem("reference", *TABLE, "task.transient=true", f"gait.angles={angles[:6]}")
 
 
 @pytest.mark.parametrize(("change", "said"), [(("task.steps=6",), True), ((), False), (("task.steps=5",), False)])

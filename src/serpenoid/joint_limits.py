@@ -19,6 +19,7 @@ from serpenoid.table_file import header
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
 
+WARNING = "warning"  # begins the line
 KEPT = 1e-6  # relative: beyond the optimiser's own tolerance, far below a servo's step
 
 
@@ -81,6 +82,12 @@ def turns_per_cycle(table: Floats, closed: bool) -> tuple[int, float]:
 def limit_lines(problem: Problem, table: Floats) -> list[str]:
     """Lines for a summary; none for a body that declares no limits."""
     return [*_angle_lines(problem, table), *_speed_lines(problem, table)]
+
+
+def broken_limits(problem: Problem, table: Floats) -> list[str]:
+    """Of these the warnings, as sentences."""
+    warned = (line for line in limit_lines(problem, table) if line.startswith(WARNING))
+    return [line.removeprefix(WARNING).strip() for line in warned]
 
 
 def _angle_lines(problem: Problem, table: Floats) -> list[str]:

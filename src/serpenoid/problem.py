@@ -197,8 +197,9 @@ class Problem(Record):
 
     @model_validator(mode="after")
     def _gait_fits(self) -> Self:
-        size = self.body.joint_count, self.task.steps
-        if (said := self.gait.misfit(*size) or self.gait.misstated(*size)) is not None:
+        joints, steps = self.body.joint_count, self.task.steps
+        said = self.gait.misfit(joints, steps) or self.gait.misstated(joints, steps + self.task.transient)
+        if said is not None:
             raise ValueError(f"[gait] {said}")
         return self
 
@@ -265,14 +266,13 @@ class Problem(Record):
     @property
     def odd_units(self) -> tuple[str, ...]:
         """What looks to be told in another unit, as sentences: lengths and limits of the body, turns of a gait."""
-        wanted, told = self.task.constraints.heading_change_rad, "task.constraints.heading_change_rad"
-        asked = [] if wanted is None else [(told, wanted)]
         headings = [t for t in self.task.objectives if isinstance(t, Heading)]
-        asked += [("[[task.objectives]] target_rad", t.target_rad / t.cycles) for t in headings]
-        turns = [(name, turn) for name, turn in asked if abs(turn) > 2 * np.pi]
+        turns = [("[[task.objectives]] target_rad", t.target_rad / t.cycles) for t in headings]
+        turns += [("task.constraints.heading_change_rad", self.task.constraints.heading_change_rad or 0.0)]
+        far = [(name, turn) for name, turn in turns if abs(turn) > 2 * np.pi]
         return (
             *self.body.odd_units,
-            *(f"{name}: {turn:g} rad are more than a whole turn in one cycle. Degrees?" for name, turn in turns),
+            *(f"{name}: {turn:g} rad are more than a whole turn in one cycle. Degrees?" for name, turn in far),
         )
 
     @property

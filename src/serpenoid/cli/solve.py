@@ -265,17 +265,14 @@ def _why(best: Solution) -> str | None:
 
 def _missed(best: Solution) -> list[str]:
     """What the gait misses or exceeds, and the bounds that it ended at."""
-    from serpenoid.joint_limits import limit_lines
+    from serpenoid.joint_limits import broken_limits
     from serpenoid.optimise.outcomes import goal_words
 
     if not best.trajectory.status.ok:
         return []
     goals = goal_words(best.problem, best.table, best.trajectory, best.self_clearance)
-    warned = [
-        line.removeprefix("warning").strip() for line in limit_lines(best.problem, best.table) if "warning" in line
-    ]
     bounds = [f"{name}, a bound" for name in best.at_bounds[:MOST_BOUNDS]]
-    return [*(goal for goal in goals if "missed" in goal), *warned, *bounds]
+    return [*(goal for goal in goals if "missed" in goal), *broken_limits(best.problem, best.table), *bounds]
 
 
 def _calm(problem: Problem) -> bool:

@@ -14,7 +14,7 @@ from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import over_markers
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_error, total
-from serpenoid.diagnose.data.recording import Recording, held_out_by
+from serpenoid.diagnose.data.recording import Recording, held_as_all_told, held_out_by
 from serpenoid.diagnose.data.relaid import bent_by
 from serpenoid.diagnose.data.repeats import chance_from
 from serpenoid.diagnose.data.tracked import TrackedRecording
@@ -295,7 +295,7 @@ def _rows(recordings: Sequence[Recording], baseline: Baseline) -> dict[str, Any]
     servos follow best. One player plays all trials: what the commands of one say, those of others that are no clear
     word do not take back."""
     held = any(r.schedule.held for r in recordings)
-    told = {r.held_as_told for r in recordings} - {None} == {held}
+    told = held_as_all_told(recordings) == {held}
     before = baseline.rows_held(recordings) is not None
     shown = "readings" if any(r.by_servos for r in recordings) else "markers"
     who = "commands" if told else "reference" if before else shown

@@ -24,7 +24,7 @@ from serpenoid.diagnose.data.motion import Motion, Repeated
 from serpenoid.diagnose.data.noise import residuals, window_noise
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import repeated
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.recording import Recording, held_as_all_told
 from serpenoid.diagnose.data.repeats import UNLIKE, by_setting, chance_from
 from serpenoid.diagnose.data.tracks import make_tracks
 from serpenoid.diagnose.data.windows import Track
@@ -143,13 +143,13 @@ class Reference(Baseline):
     def rows_held(self, recordings: Sequence[Recording]) -> bool | None:
         """As they were taken then: one player plays the robot. What readings follow best is open where clear commands
         of logs are others than then, or were goals."""
-        now, then = ({r.held_as_told for r in some} - {None} for some in (recordings, self.servos.recordings))
+        now, then = held_as_all_told(recordings), held_as_all_told(self.servos.recordings)
         return None if self.servos.goals or (now and now != then) else self.servos.held
 
     @property
     def rows_said(self) -> bool:
         """By logs with clear commands, all of them."""
-        return {r.held_as_told for r in self.servos.recordings} - {None} == {self.servos.held}
+        return held_as_all_told(self.servos.recordings) == {self.servos.held}
 
     @property
     def inadequate(self) -> bool:

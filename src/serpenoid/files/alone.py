@@ -1,4 +1,4 @@
-"""One process at a time: a port, or a folder of results."""
+"""One process at a time: a port, a folder of results, a campaign that grows."""
 
 from __future__ import annotations
 

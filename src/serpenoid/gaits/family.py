@@ -46,8 +46,8 @@ class Gait(GaitNumbers):
         """Why it is no gait of a body with so many joints and a cycle of so many steps; None: it is."""
         return None
 
-    def misstated(self, joints: int, steps: int) -> str | None:
-        """What of it no file with such a body and cycle may state, though it can be played by itself; None: nothing."""
+    def misstated(self, joints: int, rows: int) -> str | None:
+        """What of it no file of such a body and so many rows may state, though it can be played by itself."""
         return None
 
     def curve(self, phases: Floats) -> Floats | None:

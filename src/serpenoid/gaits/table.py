@@ -5,7 +5,6 @@ The row after the last is the first again, unless the task is a transient.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, ClassVar, Literal, Self
 
@@ -48,11 +47,18 @@ class TableGait(Gait):
         """The gait of a joint table (R, m) [rad]."""
         return cls(angles=tuple(tuple(row) for row in np.asarray(angles).tolist()))
 
-    def misstated(self, joints: int, steps: int) -> str | None:
-        """Rows of other joints, or of another cycle: closed it has a row for each step, a transient has one more."""
-        if self.angles is None or {len(row) for row in self.angles} == {joints} and len(self.angles) - steps in (0, 1):
+    def misstated(self, joints: int, rows: int) -> str | None:
+        """Rows of other joints, or more or fewer of them; they are not resampled: which motion lies between them is for
+        the user to say."""
+        angles = self.angles or ()
+        widths = sorted({len(row) for row in angles})
+        if self.angles is None or (len(angles) == rows and widths == [joints]):
             return None
-        return _needed(self.angles, str(steps), joints)
+        return (
+            f"`angles` of a table needs {rows} rows of {joints} joint angles, got {len(angles)} of "
+            f"{' and '.join(map(str, widths))}. Set task.steps to its number of rows (one less if transient), or "
+            "resample it"
+        )
 
     def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> TableFamily:
         """Free tables of `rows` rows."""
@@ -92,14 +98,11 @@ class TableFamily(AngleFamily):
         return p
 
     def start(self) -> Floats:
-        angles = self.like.angles if isinstance(self.like, TableGait) else None
-        return np.zeros(self.size) if angles is None else self._fitting(angles)
-
-    def _fitting(self, angles: tuple[tuple[float, ...], ...]) -> Floats:
-        """The same (n,); rows are not resampled: which motion lies between them is for the user to say."""
-        if len(angles) != self.rows or {len(row) for row in angles} != {self.joints}:
-            raise InputError(f"{_needed(angles, str(self.rows), self.joints)}.")
-        return np.array(angles).ravel()
+        if not isinstance(self.like, TableGait) or self.like.angles is None:
+            return np.zeros(self.size)
+        if (said := self.like.misstated(self.joints, self.rows)) is not None:
+            raise InputError(f"{said}.")
+        return np.array(self.like.angles).ravel()
 
     def sample(self, rng: np.random.Generator) -> Floats:
         """A mean and a few harmonics per joint."""
@@ -144,11 +147,3 @@ class TableFamily(AngleFamily):
 
     def gait(self, p: Floats) -> TableGait:
         return TableGait.from_angles(p.reshape(self.rows, self.joints))
-
-
-def _needed(angles: Sequence[Sequence[float]], rows: str, joints: int) -> str:
-    got = f"{len(angles)} of {' and '.join(str(width) for width in sorted({len(row) for row in angles}))}"
-    return (
-        f"`angles` of a table needs {rows} rows of {joints} joint angles, got {got}. Set task.steps to its number "
-        "of rows (one less if transient), or resample it"
-    )

@@ -73,13 +73,13 @@ class NewTrial:
 def add_trial(campaign: Path, new: NewTrial) -> str:
     """Copy the files into the campaign's folder and append the trial; returns its name. A fault changes nothing. What
     is added at the same time is added one after the other."""
-    with alone("campaign", campaign, f"{campaign}: another process adds trials to it. Wait until it has.", WAIT_S):
-        return _add_trial(campaign, new)
-
-
-def _add_trial(campaign: Path, new: NewTrial) -> str:
     file = campaign / "campaign.toml" if campaign.is_dir() else campaign
-    known, folder = load_campaign_file(campaign)
+    with alone("campaign", file, f"{campaign}: another process adds trials to it. Wait until it has.", WAIT_S):
+        return _add_trial(file, new)
+
+
+def _add_trial(file: Path, new: NewTrial) -> str:
+    known, folder = load_campaign_file(file)
     entry = _entry(known, folder, new)
     target = folder / entry["name"]
     place = {key: f"{entry['name']}/{file_name}" for key, (_, file_name) in _sources(new).items()}

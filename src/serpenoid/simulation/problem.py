@@ -9,7 +9,7 @@ from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.gaits import GaitFamily, TableGait
 from serpenoid.gaits.lifted import LiftedFamily
-from serpenoid.joint_limits import limit_lines
+from serpenoid.joint_limits import broken_limits
 from serpenoid.mechanics.tables import family_tables
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
@@ -30,8 +30,8 @@ class Simulation(Shown):
 
     def summary(self) -> str:
         """The problem, and how far it went; limits of its joints that it breaks, angles that may be degrees."""
-        broken = [line for line in limit_lines(self.problem, self.table) if line.startswith("warning")]
-        return "; ".join([f"{self.problem.name}: {self.trajectory.summary()}", *(" ".join(b.split()) for b in broken)])
+        broken = [f"warning: {said}" for said in broken_limits(self.problem, self.table)]
+        return "; ".join([f"{self.problem.name}: {self.trajectory.summary()}", *broken])
 
 
 def gait_table(problem: Problem) -> Floats:

@@ -6,7 +6,7 @@ readings: `by_servos` is False.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -260,6 +260,11 @@ HELD_OUT: dict[str, Callable[[Recording], object]] = {"gaits": lambda r: r.gait,
 def held_out_by(recordings: Sequence[Recording]) -> str:
     """What is held out together: trials of one gait; with a single gait, of one setting; else each trial by itself."""
     return next((kind for kind, of in HELD_OUT.items() if len({of(r) for r in recordings}) > 1), "trials")
+
+
+def held_as_all_told(recordings: Iterable[Recording]) -> set[bool]:
+    """Whether commands hold rows, as clear ones of some trials say; empty where none do."""
+    return {r.held_as_told for r in recordings if r.held_as_told is not None}
 
 
 def held_out_labels(recordings: Sequence[Recording]) -> tuple[int, ...]:

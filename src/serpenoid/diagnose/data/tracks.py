@@ -23,6 +23,7 @@ from serpenoid.diagnose.data.windows import Track, begun_anew, predicted_path
 from serpenoid.group import compose, inverse, relative
 from serpenoid.measure.clock import bridged
 from serpenoid.measure.links import marker_angles
+from serpenoid.measure.quality import ONE_MISSING
 from serpenoid.model import Model
 from serpenoid.parallel import in_processes
 
@@ -32,7 +33,6 @@ LEAST_SHARE = 1 / 3  # of these frames that must be seen
 FIRST = 5  # frames that say where a path begins
 STILL = 1e-9  # body lengths: what rounding moves a body by that nothing pulls
 GAP_S = 0.035  # of no marker at all: long enough for something to happen in it
-GAP_FRAMES = 1.5  # and more than a frame alone: between any two frames of a slower film passes as much
 
 
 class NoPath(ArithmeticError):
@@ -195,9 +195,9 @@ def _least(r: Recording, counts: Floats) -> Floats:
 
 def _crossed(seen: Floats, frame_s: float, times: Floats) -> np.ndarray:
     """Whether in each window (B - 1,) between times (B,) lies a gap between frames that were seen (K,) [s], long enough
-    for something to happen in it; whether its frames are blank or not in the file."""
+    for something to happen in it, and more than a frame alone; whether its frames are blank or not in the file."""
     begin, end = seen[:-1], seen[1:]
-    enough = max(GAP_S, GAP_FRAMES * frame_s)
+    enough = max(GAP_S, (ONE_MISSING - 1) * frame_s)
     long = end - begin - frame_s > enough
     hidden = np.minimum(end[long], times[1:, None]) - np.maximum(begin[long], times[:-1, None]) - frame_s
     return np.asarray((hidden > enough).any(axis=1))
