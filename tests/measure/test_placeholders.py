@@ -53,6 +53,18 @@ def test_a_marker_that_is_lost_once_for_long_is_hidden() -> None:
     assert np.isnan(without_placeholders(tracks(points))[0].floor[..., 0]).sum() == 30
 
 
+@pytest.mark.parametrize("rows", [slice(0, 3), slice(FRAMES - 3, FRAMES)])
+@pytest.mark.parametrize("which", [slice(None), slice(0, 4)])
+def test_markers_that_are_at_one_point_together_where_a_film_begins_or_ends_are_hidden(
+    rows: slice, which: slice
+) -> None:
+    points = crawl(1e-3)
+    points[rows, which] = -1.0
+    gone = np.zeros(points.shape[:2], dtype=bool)
+    gone[rows, which] = True
+    assert (np.isnan(without_placeholders(tracks(points))[0].floor[..., 0]) == gone).all()
+
+
 def test_a_point_that_rests_in_the_origin_or_passes_through_it_was_seen() -> None:
     begins = crawl(0.0)
     rests = np.concatenate([np.repeat(begins[:1], 60, axis=0), begins])

@@ -5,7 +5,10 @@ The straight line between known values z of a joint, a before and b after [frame
     e(t) = z(t) - (b z(t - a) + a z(t + b)) / (a + b),    SD^2 = max(<e^2> - s^2, s^2 (a^2 + b^2) / (a + b)^2)
 
 <> over all t where the three are known: how smooth the motion is over such a time, the recording says itself. Of it
-noise s of single values is z(t)'s own, and as much as that of the two others is there at least.
+noise s of single values is z(t)'s own, and as much as that of the two others is there at least. Beyond the first and
+the last known value the line through the two that are a and 2 a frames away is the one that is tried, alike:
+
+    e(t) = z(t) - (2 z(t + a) - z(t + 2 a)),    SD^2 = max(<e^2> - s^2, 5 s^2)
 
 Legend: F frames, m joints.
 """
@@ -47,9 +50,16 @@ class Bends:
 
 
 def bends_in_time(
-    body: Body, time_s: Floats, markers: Floats, angles: Floats, variance: Floats, determined: NDArray[np.bool_]
+    body: Body,
+    time_s: Floats,
+    markers: Floats,
+    angles: Floats,
+    variance: Floats,
+    determined: NDArray[np.bool_],
+    beyond: bool = False,
 ) -> Bends:
-    """Of frames that are not determined (F,), joints that their own markers (F, N, 2) do not show, by those about them.
+    """Of frames that are not determined (F,), joints that their own markers (F, N, 2) do not show, by those about them;
+    beyond: before the first and after the last of them, too.
 
     angles, variance (F, m): of frames that are determined.
     """
@@ -66,8 +76,35 @@ def bends_in_time(
     for a, b in np.unique(np.column_stack([before[wanted], after[wanted]]), axis=0).tolist():
         rows, joints = np.nonzero(wanted & (before == a) & (after == b))
         missed[rows, joints] = _missed(shown, noise, a, b)[joints]
-    within = (bridged(at, shown) + np.pi) % (2 * np.pi) - np.pi
+    within = bridged(at, shown)
+    if beyond:
+        _extended(at, shown, noise, wanted=~known & ~determined[:, None], within=within, missed=missed)
+    within = (within + np.pi) % (2 * np.pi) - np.pi
     return Bends(np.where(np.isfinite(missed), within, np.nan), missed)
+
+
+def _extended(
+    at: Floats, shown: Floats, noise: Floats, wanted: NDArray[np.bool_], within: Floats, missed: Floats
+) -> None:
+    """Puts in place what values (F, m) before the first and after the last known one are, and how far that is off."""
+    for toward in (1, -1):  # from a film's beginning, from its end
+        places, values, needed = toward * at[::toward], shown[::toward], wanted[::toward]
+        for joint in np.flatnonzero(np.isfinite(values).any(axis=0)).tolist():
+            first = int(np.isfinite(values[:, joint]).argmax())
+            for frame in np.flatnonzero(needed[:first, joint]).tolist():
+                apart = round(float(places[first] - places[frame]))
+                two = first + apart
+                if 2 * apart > LONGEST or two >= len(values) or round(float(places[two] - places[first])) != apart:
+                    continue
+                within[::toward][frame, joint] = 2 * values[first, joint] - values[two, joint]
+                missed[::toward][frame, joint] = _missed_beyond(values[:, joint], float(noise[joint]), apart)
+
+
+def _missed_beyond(values: Floats, noise: float, apart: int) -> float:
+    """SD of the error of a line through the values (F,) so many frames on, and twice as many."""
+    miss = values[: -2 * apart] - 2 * values[apart:-apart] + values[2 * apart :]
+    known = miss[np.isfinite(miss)]
+    return float(np.sqrt(max(float((known**2).mean()) - noise, 5 * noise))) if len(known) else float("nan")
 
 
 def _distances(at: Floats, known: NDArray[np.bool_]) -> tuple[Floats, Floats]:

@@ -3,7 +3,9 @@
 A body may pass through a point, rest or begin there; it does not leap there and back. A visit counts as `not seen`
 where the marker comes from farther away, and goes farther away, than FAR of its own longest usual step between frames.
 Where that happens more than once in a recording at one exact point, or for LONG frames, all that is at it is hidden; at
-another point than (0, 0) if most visits are such: markers that are exchanged leap to where another one rests.
+another point than (0, 0) if most visits are such: markers that are exchanged leap to where another one rests. Where a
+film begins or ends at one, nothing tells from where the marker came: there it is (0, 0), or a point at which several
+markers are at once, which those of a body are not.
 
 Legend: F frames, M markers.
 """
@@ -35,7 +37,7 @@ def without_placeholders(tracks: Tracks) -> tuple[Tracks, str]:
         leaps = [
             last - first
             for k in np.flatnonzero(there.any(axis=0)).tolist()
-            for first, last in _leaps(tracks.floor[:, k], there[:, k], place)
+            for first, last in _leaps(tracks.floor[:, k], there, k, place)
             if not _exchanged(tracks.floor, k, first, last)
         ]
         visits = sum(len(stretches(column)) for column in there.T)
@@ -64,18 +66,21 @@ def _entered(floor: Floats) -> Iterator[Floats]:
             yield np.array([places[i].real, places[i].imag])
 
 
-def _leaps(path: Floats, there: NDArray[np.bool_], place: Floats) -> list[tuple[int, int]]:
-    """Stretches of frames in which one marker (F, 2) is at a place and was not on its way there."""
+def _leaps(path: Floats, all_there: NDArray[np.bool_], k: int, place: Floats) -> list[tuple[int, int]]:
+    """Stretches of frames in which marker k (F, 2) is at a place, as others (F, M) may be, and was not on its way
+    there."""
+    there = all_there[:, k]
     seen = np.flatnonzero(np.isfinite(path[:, 0]) & ~there)
     if not there.any() or not len(seen):
         return []
+    shared = all_there.sum(axis=1) > 1
     steps = np.linalg.norm(np.diff(path[seen], axis=0), axis=1) / np.diff(seen)  # a frame
     moving = steps[steps > 0]
     longest = FAR * float(np.quantile(moving, USUAL)) if len(moving) else 0.0
     return [
         (first, last)
         for first, last in stretches(there)
-        if _away(path - place, seen, first, last, not place.any()) > longest
+        if _away(path - place, seen, first, last, not place.any() or bool(shared[first:last].any())) > longest
     ]
 
 
@@ -85,12 +90,12 @@ def _exchanged(floor: Floats, k: int, first: int, last: int) -> bool:
     return any((np.delete(floor[now], k, axis=0) == floor[then, k]).all(axis=1).any() for then, now in pairs)
 
 
-def _away(path: Floats, seen: NDArray[np.int64], first: int, last: int, zeros: bool) -> float:
+def _away(path: Floats, seen: NDArray[np.int64], first: int, last: int, surely: bool) -> float:
     """How far a marker comes and goes, a frame, between a placeholder, seen from which its path (F, 2) is, and the
-    nearest frame that shows it: the less. Only zeros are told where a film begins or ends with them."""
+    nearest frame that shows it: the less; surely: one way is enough, where a film begins or ends there."""
     at = int(np.searchsorted(seen, first))
     beside = [(seen[i], abs(seen[i] - frame)) for i, frame in ((at - 1, first), (at, last - 1)) if 0 <= i < len(seen)]
-    if len(beside) < 2 and not zeros:
+    if len(beside) < 2 and not surely:
         return 0.0
     return min(float(np.linalg.norm(path[k])) / apart for k, apart in beside)
 

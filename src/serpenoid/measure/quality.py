@@ -68,9 +68,10 @@ def _span(first: int, last: int, time_s: Floats) -> float:
 
 
 def between_jumps(poses: Floats, time_s: Floats, fewest: int) -> NDArray[np.bool_]:
-    """Frames (F,) between two jumps of the body that are followed by each other in fewer frames than `fewest`."""
+    """Frames (F,) between two jumps of the body, or one and the film's beginning or end, that are fewer than
+    `fewest` frames apart."""
     found = np.zeros(len(poses), dtype=bool)
-    frames = [jump.frame for jump in _body_jumps(poses, time_s)]
+    frames = [0, *(jump.frame for jump in _body_jumps(poses, time_s)), len(poses)]
     for first, stop in zip(frames, frames[1:], strict=False):
         found[first:stop] = stop - first < fewest
     return found

@@ -65,7 +65,7 @@ def _about(body: Body, time_s: Floats, markers: Floats, found: ChainEstimate, cl
     """What clean frames show of the bends in all others: whose own markers are not believed."""
     variance = np.diagonal(found.covariance[:, 3:, 3:], axis1=1, axis2=2)
     believed = np.where(clean[:, None, None], markers, np.nan)
-    return bends_in_time(body, time_s, believed, found.joint_angles, variance, clean)
+    return bends_in_time(body, time_s, believed, found.joint_angles, variance, clean, beyond=True)
 
 
 def _searched(body: Body, markers: Floats, said: Bends, marker_sd: float, limit: float) -> tuple[Floats, Floats]:
@@ -81,11 +81,12 @@ def _searched(body: Body, markers: Floats, said: Bends, marker_sd: float, limit:
         left = left[seen.sum(axis=1) > LEAST_SEEN]
         worst, fits, off = _one_less(body, tried[left], said.of_rows(left), marker_sd, limit)
         tried[left, worst] = np.nan
-        done = left[fits]
-        mended[done] = tried[done]
-        hidden = np.isfinite(markers[done, :, 0]) & ~np.isfinite(tried[done, :, 0])
-        away = np.linalg.norm(markers[done] - off[fits], axis=2)
-        sizes[done] = np.where(hidden, away, np.nan)
+        hidden = np.isfinite(markers[left, :, 0]) & ~np.isfinite(tried[left, :, 0])
+        away = np.linalg.norm(markers[left] - off, axis=2)
+        # one that is where the chain is without it was not astray: the fit had gone elsewhere
+        done = fits & (away > limit).all(axis=1, where=hidden)
+        mended[left[done]] = tried[left[done]]
+        sizes[left[done]] = np.where(hidden, away, np.nan)[done]
         left = left[~fits]
     return mended, sizes
 

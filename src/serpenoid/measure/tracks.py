@@ -100,3 +100,8 @@ class Tracks:
 def floor_plane(positions: Floats, up_axis: str) -> Floats:
     """(..., 3) file axes to (..., 2) floor, right-handed seen from above: z up -> (x, y)."""
     return positions[..., {"y": [2, 0], "z": [0, 1], "x": [1, 2]}[up_axis]]
+
+
+def heights(positions: Floats, up_axis: str) -> Floats:
+    """(..., 3) file axes to what lies along the upward one (...)."""
+    return positions[..., "xyz".index(up_axis)]

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,12 @@ from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest, remember
 from serpenoid.measure.campaign import CampaignFile, MotionKeys, TrialEntry, read_motion, read_table
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.filled_in import without_filled_in
 from serpenoid.measure.lengths import shown_lengths, steady_lengths
+from serpenoid.measure.level import levelled
 from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_servo_log
 from serpenoid.measure.placeholders import without_placeholders
-from serpenoid.measure.readers import READERS
+from serpenoid.measure.readers import READERS, up_axis
 from serpenoid.measure.relabel import Labelled, label_vertices
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.tracks import Tracks, in_places
@@ -36,8 +38,8 @@ UNSEEN = "Give `edge_lengths`, or is `minimum_score` in [motion] too high (DeepL
 
 @dataclass(frozen=True)
 class Files:
-    """One trial's files; exchanged_back: which points had other names, and when, empty where none had; zeros: which
-    were hidden as (0, 0), empty where none were."""
+    """One trial's files; exchanged_back: which points had other names, and when, empty where none had; mended: what was
+    done to its tracks before anything was made of them, in words."""
 
     entry: TrialEntry
     keys: MotionKeys
@@ -47,7 +49,7 @@ class Files:
     tracks: Tracks | None
     labelled: Labelled | None
     exchanged_back: str = ""
-    zeros: str = ""
+    mended: tuple[str, ...] = ()
 
     def names(self, body: Body) -> list[str]:
         """What the marker of each vertex is called: in the campaign, else in the file."""
@@ -149,9 +151,9 @@ def kept_of_files(name: str, file: CampaignFile, folder: Path, make: Callable[[]
 def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
     """Read one trial's files."""
     keys, tracks = file.motion_of(entry), read_motion(file, entry, folder)
-    labelled, exchanged, zeros = None, "", ""
+    labelled, exchanged, mended = None, "", cast(tuple[str, ...], ())
     if tracks is not None:
-        tracks, zeros = without_placeholders(tracks)
+        tracks, mended = _mended(tracks, keys.up_axis or up_axis(keys.format))
         if len(tracks.time_s) < FEWEST_FRAMES:
             raise InputError(f"{tracks.source}: {len(tracks.time_s)} frame(s); a motion takes {FEWEST_FRAMES} or more.")
         edges = file.body.edges_m if file.lengths_given and tracks.scale_known else None
@@ -165,7 +167,15 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
     log = read_servo_log(folder / entry.servo_log, file.servo_log) if entry.servo_log else None
     _of_every_joint(log, file.body)
     power = read_power_log(folder / entry.power_log) if entry.power_log else None
-    return Files(entry, keys, read_table(entry, file.body, folder), log, power, tracks, labelled, exchanged, zeros)
+    return Files(entry, keys, read_table(entry, file.body, folder), log, power, tracks, labelled, exchanged, mended)
+
+
+def _mended(tracks: Tracks, up: str) -> tuple[Tracks, tuple[str, ...]]:
+    """Tracks without points that nobody saw, in the plane of their floor; and what was done, in words."""
+    tracks, absent = without_placeholders(tracks)
+    tracks, made = without_filled_in(tracks)
+    tracks, turned = levelled(tracks, up)
+    return tracks, tuple(words for words in (absent, made, turned) if words)
 
 
 def _of_every_joint(log: ServoLog | None, body: Body) -> None:

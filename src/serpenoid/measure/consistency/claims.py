@@ -94,8 +94,7 @@ def _noticed(files: Files, body: Body, hangs: bool) -> list[str]:
     said = []
     if files.exchanged_back:
         said.append(f"names put back as in most of the recording: {files.exchanged_back}")
-    if files.zeros:
-        said.append(files.zeros)
+    said.extend(files.mended)
     if files.servo_log is not None and (count := files.servo_log.repeated):
         said.append(f"{count} rows of the servo log are the row before them to the last character: each is read once")
     if files.servo_log is not None and (absent := files.servo_log.absent):
