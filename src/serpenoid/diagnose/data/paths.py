@@ -92,7 +92,7 @@ def repeated(motion: Motion, predictions: Sequence[Prediction]) -> Repeated:
 def apart_by_setting(motion: Motion, predictions: Sequence[Prediction]) -> Apart:
     """Of trials that were laid alike."""
     found: dict[tuple[str, float], list[float]] = {}
-    for number, squared in _differing(motion, predictions, residuals(motion.tracks, predictions)).items():
+    for number, squared in differing(motion, predictions, residuals(motion.tracks, predictions)).items():
         found.setdefault(motion.tracks[number].recording.setting, []).append(squared)
     return tuple((setting, float(np.sqrt(np.mean(squares))), len(squares)) for setting, squares in found.items())
 
@@ -103,7 +103,7 @@ def _of_windows(
     """What the noise of windows adds up to: with doubt about the baseline; without it, of trials that were repeated.
     And how far apart repeats are."""
     alone, whole = _squares(motion, predictions)
-    differ = _differing(motion, predictions, left)
+    differ = differing(motion, predictions, left)
     adding = PathNoise(np.sqrt(whole.mean(axis=0)), motion)
     made = PathNoise(np.sqrt(alone[list(differ)].mean(axis=0)), motion) if differ else adding
     if not differ or made.level_m <= 0:
@@ -111,7 +111,7 @@ def _of_windows(
     return adding, made, Repeated(sum(differ.values()) / len(differ) / made.level_m**2, len(differ))
 
 
-def _differing(motion: Motion, predictions: Sequence[Prediction], left: Sequence[Floats]) -> dict[int, float]:
+def differing(motion: Motion, predictions: Sequence[Prediction], left: Sequence[Floats]) -> dict[int, float]:
     """By trial: half of the mean squared distance [m^2] between its path and that of the next one that was laid alike,
     of what residuals add up to on the predicted one."""
     differ = {}

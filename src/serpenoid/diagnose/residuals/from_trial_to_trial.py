@@ -28,8 +28,8 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import LEFT, largest_factor
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.noise import residuals
-from serpenoid.diagnose.data.paths import apart_by_setting, path_rms
-from serpenoid.diagnose.data.repeats import UNLIKE, pairs, repeats
+from serpenoid.diagnose.data.paths import apart_by_setting, differing, path_rms, total
+from serpenoid.diagnose.data.repeats import UNLIKE, laid_alike, pairs, repeats
 from serpenoid.diagnose.data.windows import Prediction, predictions
 from serpenoid.diagnose.inference.finding import Divided, alone
 from serpenoid.model import Model
@@ -123,15 +123,31 @@ def _moving_as_then(
     motion: Motion, model: Model, settings: Collection[tuple[str, float]]
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Names of trials of some settings whose paths stray from what an earlier campaign predicts by more than repeats
-    strayed from each other then, and of the others."""
+    strayed from each other then, and of the others. Repeats that stray from each other by less are told together."""
     before, earlier = _pooled([told for setting, *told in motion.earlier.apart if setting in settings])
     most = before * largest_factor(float(np.sqrt(0.5 / earlier + 0.5)))
     medium = model.medium if motion.ratio is None else model.medium.with_ratio(motion.ratio)
     as_then = predictions(Model(model.body, medium, motion.held), motion.tracks)
-    tracks = [(t, p) for t, p in zip(motion.tracks, as_then, strict=True) if t.recording.setting in settings]
-    off = {t.recording.name: path_rms(t, p) > most for t, p in tracks}
+    rms = [path_rms(t, p) for t, p in zip(motion.tracks, as_then, strict=True)]
+    off: dict[str, bool] = {}
+    for group in _agreeing(motion, as_then, most):
+        if motion.tracks[group[0]].recording.setting in settings:
+            far = total([rms[i] for i in group]) > most
+            off |= {motion.tracks[i].recording.name: far for i in group}
+    off = {t.recording.name: off[t.recording.name] for t in motion.tracks if t.recording.name in off}
     changed, others = (tuple(name for name, is_off in off.items() if is_off is wanted) for wanted in (True, False))
     return changed, others
+
+
+def _agreeing(motion: Motion, predicted: Sequence[Prediction], most: float) -> list[list[int]]:
+    """Trials by number, with the repeats whose paths are no farther apart than `most` [m]."""
+    apart = differing(motion, predicted, residuals(motion.tracks, predicted))
+    groups = {i: [i] for i in range(len(motion.tracks))}
+    for a, b in laid_alike(motion.tracks):
+        if np.sqrt(apart[a]) <= most and groups[a] is not groups[b]:
+            groups[a] += groups[b]
+            groups |= {i: groups[a] for i in groups[b]}
+    return list({id(group): group for group in groups.values()}.values())
 
 
 def _pooled(told: Sequence[Sequence[float]]) -> tuple[float, int]:
