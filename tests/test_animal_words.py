@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -108,6 +110,32 @@ def test_two_points_are_told_why_three_are_the_least(tmp_path: Path) -> None:
     (tmp_path / "campaign.toml").write_text('format = 1\nname = "a"\n[body]\nvertices = 2\n[[trial]]\nname = "b"\n')
     with pytest.raises(InputError, match="3 are the least, as a joint between two edges bends.*got 2"):
         load_campaign_file(tmp_path)
+
+
+def test_what_a_film_of_a_body_at_rest_does_not_determine_has_no_value(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Neither on the screen nor for a program that reads fit.json or the exit code."""
+    time, points = crawl(100)
+    still = np.repeat(points[:1], 100, axis=0) + np.random.default_rng(1).normal(0, 1e-3, points.shape)
+    folder = animal_campaign(tmp_path, "crawler", time, 0.4 * still, "m")
+    assert main(["fit", str(folder), "--out", str(tmp_path / "out"), "--no-figures"]) == 1
+    said = capsys.readouterr().out
+    assert re.search(r"K = 1 / eps +not determined +95 %", said)
+    assert "best-RMS" not in said
+    record = json.loads((tmp_path / "out" / "fit.json").read_text())
+    assert record["together"]["values"] == {"anisotropy_ratio": None}
+    assert record["together"]["interval_95"]["anisotropy_ratio"][1] == 1.0
+    assert record["best_rms_mean"] is None
+    assert "anisotropy_ratio not determined" in str(sp.fit(folder))
+
+
+def test_a_unit_that_is_none_of_these_is_refused_with_what_to_do(tmp_path: Path) -> None:
+    folder = animal_campaign(tmp_path, "crawler", *crawl(20), "m")
+    path = folder / "campaign.toml"
+    path.write_text(path.read_text().replace('length_unit = "m"', 'length_unit = "inch"'))
+    with pytest.raises(InputError, match=r"must be m, cm, .* got 'inch'. Multiply positions .*an inch is 25.4 mm"):
+        load_campaign(folder)
 
 
 @pytest.mark.slow

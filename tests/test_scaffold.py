@@ -29,6 +29,7 @@ from serpenoid.problem import load
 from serpenoid.robot.checks import check_table
 from serpenoid.robot.description import Robot
 from serpenoid.scaffold.add import NewTrial, add_trial
+from serpenoid.scaffold.film_format import format_of
 from serpenoid.scaffold.json_schema import schema_of
 from serpenoid.simulation.problem import simulate
 from serpenoid.table_file import read_table, write_table
@@ -504,6 +505,31 @@ def test_films_of_an_animal_become_a_campaign_by_two_commands(worm: Path, capsys
     assert "has a trial `worm-2` already" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "kind"),
+    [
+        ("worm-1.csv", None, "deeplabcut"),
+        ("s.csv", "track,frame_idx,a.x,a.y,a.score\n,0,1,1,1\n", "sleap"),
+        ("m.csv", "Format Version,1.23\n", "motive"),
+        ("l.csv", "t,point,x,y\n0,1,2,3\n", "long"),
+        ("t.csv", "Time (s),M1_x,M1_y\n0,1,2\n", "tidy"),
+        ("q.tsv", "NO_OF_FRAMES\t3\n", "qualisys"),
+        ("w.wcon", "{}", "wcon"),
+        ("e.csv", "", None),
+    ],
+)
+def test_a_film_says_its_format_by_what_it_begins_like(worm: Path, name: str, text: str | None, kind) -> None:
+    if text is not None:
+        (worm / name).write_text(text)
+    assert format_of(worm / name) == kind
+
+
+def test_a_film_whose_format_nobody_says_is_read_as_what_it_is(worm: Path, capsys: pytest.CaptureFixture) -> None:
+    assert main(["new", "campaign", "c", "--yes", "--film", "worm-1.csv"]) == 0
+    assert "Assumed, as nobody said: --format deeplabcut" in capsys.readouterr().out
+    assert load_campaign_file(worm / "c")[0].motion.format == "deeplabcut"
+
+
 def test_films_that_are_added_at_the_same_time_are_all_there(worm: Path) -> None:
     new("campaign", worm / "c", *FILMED)
     lines = (worm / "worm-2.csv").read_text().splitlines()
@@ -579,7 +605,7 @@ def test_a_films_times_are_in_the_unit_that_an_option_tells(worm: Path, told: st
         ([*FILMED, "--time-unit", "ms"], "--time-unit: is for tidy and long films, got --format deeplabcut"),
         ([*FILMED, "--columns", "time=t"], "--columns: is for tidy and long films, got --format deeplabcut"),
         ([*FILMED, "--individual", "two"], "the file has no names of individuals"),
-        (["--film", "worm-1.csv"], 'Is `format = "motive"` right for this file?'),
+        (["--film", "worm-1.csv", "--format", "motive"], 'Is `format = "motive"` right for this file?'),
     ],
 )
 def test_a_film_that_cannot_be_read_makes_no_campaign(worm: Path, words: list[str], complaint: str, capsys) -> None:

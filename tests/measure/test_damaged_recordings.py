@@ -15,13 +15,14 @@ import pytest
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
+from serpenoid.measure.arrays import read_array
 from serpenoid.measure.beat import sines_about
 from serpenoid.measure.chain import estimate_chain
 from serpenoid.measure.clock import find_offset
 from serpenoid.measure.lengths import steady_lengths
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.smooth import cross_validated, smooth, smoother
-from serpenoid.measure.trackers import Timing, read_array, read_sleap_analysis
+from serpenoid.measure.trackers import Timing, read_sleap_analysis
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.wcon import read_wcon
 

@@ -81,3 +81,24 @@ def test_noise_that_lasts_is_no_stretch_and_stays_noise(tmp_path):
     assert not trial.motion.stretches.any
     assert trial.motion.marker_sd == pytest.approx(2 * NOISE, rel=0.15)
     assert not [note for note in trial.notes if "peristalsis" in note]
+
+
+def animals(count: int = 5) -> np.ndarray:
+    """Points (F, count, 2) of animals that each swim to and fro in a dish, by slow waves of their own."""
+    rng = np.random.default_rng(3)
+    rates, phases = rng.uniform(0.1, 0.4, (3, count, 2)), rng.uniform(0, 2 * np.pi, (3, count, 2))
+    return np.sin(2 * np.pi * rates[:, None] * TIME[:, None, None] + phases[:, None]).sum(axis=0)
+
+
+def test_of_points_of_several_animals_it_is_asked_whether_they_are_of_one_body(tmp_path):
+    said = notes(tmp_path, animals())
+    assert "Are they points of one body, and in their order along it?" in said
+    assert "peristalsis" not in said
+
+
+@pytest.mark.parametrize(
+    ("stretch", "vertices", "bend", "noise"), [(0.2, 12, 2.5, NOISE), (0.0, 25, 5.0, 0.012), (0.0, 5, 9.0, NOISE)]
+)
+def test_of_one_body_that_stretches_scatters_or_bends_much_this_is_not_asked(tmp_path, stretch, vertices, bend, noise):
+    """Noise of 0.3 edges, and edges that bend by more than a right angle."""
+    assert "one body" not in notes(tmp_path, crawler(stretch, vertices, bend, noise=noise))

@@ -16,6 +16,7 @@ from serpenoid.errors import InputError
 from serpenoid.files.writing import write_csv
 from serpenoid.measure import readers
 from serpenoid.measure.animal import bends_run, edges_per_wave, leading, remarks
+from serpenoid.measure.arrays import read_array
 from serpenoid.measure.beat import beat
 from serpenoid.measure.campaign import MotionKeys
 from serpenoid.measure.load import load_campaign
@@ -23,7 +24,6 @@ from serpenoid.measure.points import read_long, read_sleap
 from serpenoid.measure.tidy import read_tidy
 from serpenoid.measure.trackers import (
     Timing,
-    read_array,
     read_deeplabcut,
     read_sleap_analysis,
     read_tierpsy,
@@ -34,6 +34,7 @@ from serpenoid.measure.wcon import read_wcon
 RATE = 25.0
 NAMES = ["tail", "a", "b", "c", "d", "head"]
 DOWN = np.array([1.0, -1.0])
+ONE_POINT = "Trajectories of idtracker and idtracker.ai are one point an animal"
 
 
 def swimmer(seconds: float = 4.0, waves: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
@@ -397,8 +398,50 @@ def test_trajectories_of_one_point_an_animal_are_told_as_that(tmp_path):
     np.save(tmp_path / "m.npy", {"trajectories": np.zeros((9, 3, 2))})
     savemat(tmp_path / "m.mat", {"trajectories": np.zeros((9, 3, 2))})
     for name in ("m.npy", "m.mat"):
-        with pytest.raises(InputError, match="Trajectories of idtracker and idtracker.ai are one point an animal"):
+        with pytest.raises(InputError, match=f"m{name[1:]}.*{ONE_POINT}"):
             read_array(tmp_path / name, Timing(RATE))
+    table = "\n".join(["seconds,x1,y1,x2,y2,x3,y3", *(f"{f / 10},{f},0,1,{f},2,2" for f in range(9))])
+    (tmp_path / "m.csv").write_text(table)
+    with pytest.raises(InputError, match=f"Are these points along one body.*{ONE_POINT}"):
+        read_tidy(tmp_path / "m.csv")
+
+
+def refusal(path: Path, **arrays: np.ndarray) -> str:
+    """What is said of a file of these arrays."""
+    if path.suffix == ".mat":
+        savemat(path, arrays)
+    else:
+        np.savez(path, **arrays)
+    with pytest.raises(InputError) as told:
+        read_array(path, Timing())
+    assert "idtracker" not in str(told.value)
+    return str(told.value)
+
+
+@pytest.mark.parametrize("order", [(1, 2, 0), (2, 1, 0), (2, 0, 1), (0, 2, 1)])
+def test_arrays_in_another_order_are_refused_with_the_one_line_that_turns_them(tmp_path, order):
+    time, points = swimmer()
+    turned = points.transpose(order)
+    said = refusal(tmp_path / "m.npz", t_s=time, points=turned)
+    assert f"`points` {turned.shape}" in said
+    cure = said.partition("Save `points.transpose(")[2].partition(")")[0]
+    np.savez(tmp_path / "m.npz", t_s=time, points=turned.transpose([int(axis) for axis in cure.split(", ")]))
+    np.testing.assert_array_equal(read_array(tmp_path / "m.npz", Timing()).floor, points)
+    said = refusal(tmp_path / "m.mat", t_s=time, points=turned)
+    assert f"permute(points, [{' '.join(str(int(axis) + 1) for axis in cure.split(', '))}])" in said
+
+
+def test_frames_in_columns_points_in_space_and_structures_are_told_as_what_they_are(tmp_path):
+    time, points = swimmer()
+    across = refusal(tmp_path / "m.mat", t_s=time, x=points[..., 0].T, y=points[..., 1].T)
+    assert "has 100 times for 6 frames of 100 points" in across
+    assert "Save `x` and `y`, transposed." in across
+    assert "Save `points.transpose(1, 0, 2)`." in refusal(tmp_path / "m.npz", t_s=time, points=points.swapaxes(0, 1))
+    space = np.concatenate([points, points[..., :1]], axis=2)
+    assert "`points[:, :, :2]`" in refusal(tmp_path / "m.npz", t_s=time, points=space)
+    within = refusal(tmp_path / "m.mat", worm={"t_s": time, "x": points[..., 0], "y": points[..., 1]}, rate=RATE)
+    assert "it has `worm` (struct: t_s, x, y), `rate` (1, 1)" in within
+    assert "t_s = worm.t_s; x = worm.x; y = worm.y; save('m.mat', 't_s', 'x', 'y', '-v7')" in within
 
 
 def test_points_that_numpy_saved_alone_need_a_frame_rate(tmp_path):

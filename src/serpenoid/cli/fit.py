@@ -8,7 +8,9 @@ and maximum likelihood through the step equations, with shape noise and pose noi
 trials together. Answers to "how sure?": camera noise alone; robust to errors that last (what is left is not noise);
 by the spread of trials, where they differ by more than chance. K has the widest of them. Simulations use the *measured*
 shapes on the recording's own frames. A fitted eps holds for one kind of dissipation element only. Writes fit.json and
-figures. Exit code 1: a fit did not converge, or ran into a bound where the model does not follow the data.
+figures. What data do not determine has an interval and no value (null in fit.json).
+Exit code 1: so for a number that was asked for, or a fit did not converge, or ran into a bound where the model does
+not follow the data.
 """
 
 from __future__ import annotations
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     from serpenoid.compare.calibrate import Calibration
     from serpenoid.measure.load import Campaign
     from serpenoid.model import Model
+
+UNTOLD = "not determined"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -77,7 +81,7 @@ def run(args: argparse.Namespace) -> int:
     if args.quiet or args.json:
         for complaint in complaints:
             options.complain(complaint)
-    return int(failed(calibration.together.solution, model))
+    return int(failed(calibration.together.solution, model) or not calibration.together.determined.all())
 
 
 def lines(calibration: Calibration, model: Model) -> list[str]:
@@ -86,15 +90,17 @@ def lines(calibration: Calibration, model: Model) -> list[str]:
 
     from serpenoid.compare.calibrate import drag_ratio
     from serpenoid.compare.parameters import bounds
+    from serpenoid.compare.records import best_rms_told
 
     together, lows, highs = calibration.together, *bounds(calibration.names, model)
     found = [f"{model.where_drag_acts}, {len(calibration.trials)} trial(s)"]
     for i, name in enumerate(calibration.names):
         value, (low, high) = together.values[i], together.interval[i]
         robust = np.clip(value + 1.96 * together.robust_sd[i] * np.array([-1, 1]), lows[i], highs[i])
+        known = bool(together.determined[i])
         found += [
             f"{name}",
-            f"  all together    {value:.6g}   95 % {low:.6g} .. {high:.6g} (noise), "
+            f"  all together    {f'{value:.6g}' if known else UNTOLD}   95 % {low:.6g} .. {high:.6g} (noise), "
             f"{robust[0]:.6g} .. {robust[1]:.6g} (robust)",
         ]
         if np.isfinite(half := together.spread_half[i]):
@@ -102,13 +108,15 @@ def lines(calibration: Calibration, model: Model) -> list[str]:
             found.append(
                 f"  trials differ   by more than chance: 95 % {spread[0]:.6g} .. {spread[1]:.6g} by their spread"
             )
-        if len(calibration.trials) > 1:
+        if known and len(calibration.trials) > 1:
             low, high = calibration.mean_interval[i]
             text = f"95 % {low:.6g} .. {high:.6g}, SD {calibration.spread[i]:.2g}"
             found.append(f"  mean of trials  {calibration.mean[i]:.6g}   {text}")
     if "anisotropy_ratio" in calibration.names:
         ratio, least, most = drag_ratio(together, model)
-        found.append(f"K = 1 / eps       {ratio:.4g}   95 % {least:.4g} .. {most:.4g} (the widest of these)")
+        shown = UNTOLD if np.isnan(ratio) else f"{ratio:.4g}"
+        found.append(f"K = 1 / eps       {shown}   95 % {least:.4g} .. {most:.4g} (the widest of these)")
+    if "anisotropy_ratio" in calibration.names and best_rms_told(calibration):
         spread = f", SD {calibration.spread_best_rms:.2g}" if len(calibration.trials) > 1 else ""
         bound = ", at a bound" if any(fit.at_bound for fit in calibration.trials) else ""
         mean = f"{calibration.mean_best_rms:.6g} (mean of trials{spread}{bound})"

@@ -13,11 +13,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from serpenoid.body import Floats
 from serpenoid.body_curve import PLAIN
-from serpenoid.compare.complaints import complaints
+from serpenoid.compare.complaints import complaints, determined
 from serpenoid.compare.intervals import Z95, likelihood_intervals, mean_intervals
 from serpenoid.compare.lengths import Others, lengths_sd, others_of
 from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit, whiten
@@ -54,6 +55,12 @@ class Estimate:
     autocorrelation: Floats  # of the white defects, lags 1..
     warnings: tuple[str, ...]
     solution: Solution
+    determined: NDArray[np.bool_]  # (P,) whether data tell the number at all; where not, its value is where a fit ended
+
+    @property
+    def told(self) -> Floats:
+        """The values (P,), NaN where the data do not determine them."""
+        return np.where(self.determined, self.values, np.nan)
 
 
 @dataclass(frozen=True)
@@ -123,10 +130,11 @@ def anisotropy(campaign: Campaign, model: Model) -> Estimate:
 
 
 def drag_ratio(found: Estimate, model: Model) -> tuple[float, float, float]:
-    """K = 1 / eps and its 95 % interval, the widest of `wider_intervals`; within the bounds of eps."""
+    """K = 1 / eps (NaN: not determined) and its 95 % interval, the widest of `wider_intervals`; within the bounds of
+    eps."""
     i = found.names.index("anisotropy_ratio")
     low, high = wider_intervals(found, model)[i]
-    return 1 / float(found.values[i]), 1 / float(high), 1 / float(low)
+    return 1 / float(found.told[i]), 1 / float(high), 1 / float(low)
 
 
 def wider_intervals(found: Estimate, model: Model) -> Floats:
@@ -160,6 +168,7 @@ def _estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...
         names, solution.values, sd, interval, np.hypot(robust_sd(solution), beside) + silent, differ, correlation,
         solution.noise_scale, autocorrelation(solution.segments),
         complaints(solution, model, sd, interval, correlation, len(set(trials))), solution,
+        determined(names, sd, model),
     )  # fmt: skip
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtri
@@ -24,11 +26,11 @@ def complaints(
     """All of them; sd (P,), interval (P, 2) and correlation (P, P) of the numbers fitted to so many trials."""
     found = [model.sparse_drag] if model.sparse_drag and not model.body.is_animal else []
     lows, highs = bounds(solution.names, model)
-    ended = at_bounds(solution, model)
+    ended, known = at_bounds(solution, model), determined(solution.names, sd, model)
     if not solution.converged:
         found.append("the fit did not converge: the data may not determine these numbers")
     for i, name in enumerate(solution.names):
-        if sd[i] > 0.5 * (highs[i] - lows[i]):
+        if not known[i]:
             found.append(f"these data do not determine `{name}`")
         if ended[i]:
             found.append(_at_bound(name, float(solution.values[i]), solution.noise_scale))
@@ -39,6 +41,13 @@ def complaints(
                 pair = f"`{solution.names[j]}` and `{name}`"
                 found.append(f"{pair} cannot be told apart by these data (correlation {correlation[i, j]:.3f})")
     return (*found, *_size(solution, model, trials))
+
+
+def determined(names: Sequence[str], sd: Floats, model: Model) -> NDArray[np.bool_]:
+    """Which of the numbers (P,) the data tell at all: a 95 % interval that is longer than all they can be leaves them
+    where the fit began, and they are no estimates."""
+    lows, highs = bounds(tuple(names), model)
+    return np.asarray(sd <= 0.5 * (highs - lows))
 
 
 def failed(solution: Solution, model: Model) -> bool:

@@ -15,6 +15,7 @@ from serpenoid.measure.trial import Trial
 from serpenoid.measure.usage import usage
 
 PARTS, MEASURES = ("whole", "actuation", "motion"), ("forward", "left", "turn", "path_rms")
+EPS = "anisotropy_ratio"
 COMPARISON_HEADER = (
     "trial", "gait", "cycle", "exp", "resim", "resim_sd", "resim_bias", "sim",
     *(f"{part}_{what}" for part in PARTS for what in MEASURES),
@@ -93,9 +94,10 @@ def campaign_record(campaign: Campaign) -> dict[str, Any]:
 
 
 def estimate_record(estimate: Estimate) -> dict[str, Any]:
+    """Numbers and what is known of them; none in place of those that the data do not determine."""
     return plain(
         {
-            "values": dict(zip(estimate.names, estimate.values, strict=True)),
+            "values": dict(zip(estimate.names, estimate.told, strict=True)),
             "sd": dict(zip(estimate.names, estimate.sd, strict=True)),
             "interval_95": dict(zip(estimate.names, estimate.interval, strict=True)),
             "robust_sd": dict(zip(estimate.names, estimate.robust_sd, strict=True)),
@@ -108,24 +110,31 @@ def estimate_record(estimate: Estimate) -> dict[str, Any]:
     )
 
 
+def best_rms_told(calibration: Calibration) -> bool:
+    """Whether eps is determined, or was not asked: of data that do not tell it the least RMS is one of noise."""
+    together = calibration.together
+    return all(known for name, known in zip(together.names, together.determined, strict=True) if name == EPS)
+
+
 def calibration_record(calibration: Calibration, dissipation: str) -> dict[str, Any]:
     """Joint, mean over trials, and every trial; a fitted eps holds for one kind of dissipation element only."""
-    names = calibration.names
+    names, told = calibration.names, calibration.together.determined
+    drag = best_rms_told(calibration)
     return plain(
         {
             "dissipation": dissipation,
             "together": estimate_record(calibration.together),
-            "trials_mean": dict(zip(names, calibration.mean, strict=True)),
+            "trials_mean": dict(zip(names, np.where(told, calibration.mean, np.nan), strict=True)),
             "trials_spread": dict(zip(names, calibration.spread, strict=True)),
             "trials_mean_interval_95": dict(zip(names, calibration.mean_interval, strict=True)),
-            "best_rms_mean": calibration.mean_best_rms,
+            "best_rms_mean": calibration.mean_best_rms if drag else None,
             "best_rms_spread": calibration.spread_best_rms,
             "profile": calibration.profile,
             "trials": [
                 {
                     "trial": f.trial,
                     "gait": f.gait,
-                    "best_rms_eps": f.best_rms_eps,
+                    "best_rms_eps": f.best_rms_eps if drag else None,
                     "rms_body_lengths": f.rms,
                     "best_rms_at_bound": f.at_bound,
                     **estimate_record(f.estimate),

@@ -39,5 +39,7 @@ def compared_model(campaign: Campaign, eps: float | None = None, dissipation: st
     found = anisotropy(campaign, start)
     ratio, low, high = drag_ratio(found, start)
     noise = f"95 % {found.interval[0, 0]:.6g} .. {found.interval[0, 1]:.6g} by noise alone"
+    if not found.determined.all():
+        return start, f"a guess: these data do not determine it, {noise}"
     how_sure = f"{noise}; K = {ratio:.4g}, 95 % {low:.4g} .. {high:.4g} by what is left, too"
     return changed(start, found.names, found.values), f"fitted to all trials together, {how_sure}"

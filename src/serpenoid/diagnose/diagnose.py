@@ -72,6 +72,11 @@ class DragRatio:
     high: float
     by_frames: bool
 
+    @property
+    def told(self) -> float | None:
+        """The value, if the data determine it."""
+        return self.value if np.isfinite(self.value) else None
+
 
 @dataclass(frozen=True)
 class Diagnosis:
@@ -373,7 +378,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "may_differ_by": d.grows or None,
         "hiding": d.motion.stage.hiding or None,
         "drag_ratio": d.drag_ratio and {
-            "value": d.drag_ratio.value, "interval": [d.drag_ratio.low, d.drag_ratio.high],
+            "value": d.drag_ratio.told, "interval": [d.drag_ratio.low, d.drag_ratio.high],
             "by_frames": d.drag_ratio.by_frames,
         },
         "gain": gain_record(d.before, d.after),

@@ -15,6 +15,7 @@ from serpenoid.measure.beside_midline import beside_midline, said
 from serpenoid.measure.cells import Floats, listed
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.lengths import shown_lengths
+from serpenoid.measure.quality import Jump
 from serpenoid.measure.smooth import best_window, smooth, smoother
 from serpenoid.measure.trial import Motion
 from serpenoid.measure.uneven import uneven
@@ -27,6 +28,12 @@ FINER = {'milliseconds (`time_unit = "ms"`)': 1e-3, 'microseconds (`time_unit = 
 SURE = 3.0  # standard errors of a variance: beyond them, a body stretches and its points do not only scatter
 ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
 BOTH = 6.0  # over the second differences there are: the variance of lengths' variance over that of their noise
+ONE_BODY = 2.0
+# times: points next to each other on one body are never farther apart than so many times their least distance. A part
+# that bends into a half circle is pi / 2 times as short, one with waves of stretching of 20 % grows to 1.5 times its
+# least length (docs/measuring-method.md: a prickleback's parts vary by 12 %, a larva's whole length by 4 %); two
+# animals, each anywhere in a round dish, are 7 times as far apart in 5 % of the frames as they are in another 5 %
+TAILS, OF_TAILS = (0.05, 0.95), 1.645  # of frames; SDs of normal noise from their middle
 DRAWS = 20  # of white noise, smoothed as lengths are
 MOST_TOLD = 3  # moments
 RIGID = (
@@ -118,6 +125,20 @@ def sliding(body: Body, motion: Motion) -> tuple[Stretch, float]:
     return replace(found, sure=surely), float(np.sqrt(max(beyond.mean(), 0.0)))
 
 
+def farther_apart(motion: Motion) -> float:
+    """How many times farther the usual neighbouring points are apart at their farthest than at their nearest, in all
+    but the most extreme frames, beyond noise; 1 where frames are few."""
+    apart = np.asarray(np.linalg.norm(np.diff(motion.markers, axis=1), axis=2))
+    apart = apart[:, np.isfinite(apart).sum(axis=0) >= LEAST_ROWS]
+    if not apart.size:
+        return 1.0
+    low, high = np.nanquantile(apart, TAILS, axis=0)
+    by_noise = OF_TAILS**2 * Signal(motion.time_s, apart).noise_variance
+    half = np.sqrt(np.maximum(((high - low) / 2) ** 2 - by_noise, 0.0))
+    middle = (high + low) / 2
+    return float(np.median((middle + half) / (middle - half)))
+
+
 def _ways(body: Body, lengths: Floats) -> Floats:
     """From the tail to every point between the ends (F, N - 2), less its share of the whole."""
     share = np.cumsum(body.edges) / np.sum(body.edges)
@@ -181,7 +202,8 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
 
 def _cuts(motion: Motion) -> list[str]:
     """Where the whole body is somewhere else and goes on from there; there and back it would be no run."""
-    ends = {run.stop for run in motion.runs} & {jump.frame for jump in motion.jumps if jump.vertex is None}
+    leaps = {jump.frame for jump in motion.jumps if jump.vertex is None and _all_of_it(motion, jump)}
+    ends = {run.stop for run in motion.runs} & leaps
     moments = [between(*motion.time_s[run.start - 1 : run.start + 1]) for run in motion.runs if run.start in ends]
     if not moments:
         return []
@@ -196,6 +218,13 @@ def _cuts(motion: Motion) -> list[str]:
         "cut there, was the camera moved, or is it another animal? Every side is used by itself, but displacements "
         f"go across: name the file in {len(moments) + 1} trials, {split}"
     ]
+
+
+def _all_of_it(motion: Motion, jump: Jump) -> bool:
+    """Whether most points leap as far as their centroid: where they do not, a few that are wild draw it aside."""
+    steps = np.linalg.norm(motion.markers[jump.frame] - motion.markers[jump.frame - 1], axis=1)
+    seen = np.isfinite(steps)
+    return bool(not seen.any() or np.median(steps[seen]) > jump.size / 2)
 
 
 def between(before_s: float, after_s: float) -> str:
@@ -233,6 +262,12 @@ def _stretching(body: Body, motion: Motion) -> list[str]:
     """As a whole, and in places while other places shorten; of noise that lasts neither is said."""
     if motion.stretches.alike:
         return []
+    if (times := farther_apart(motion)) > ONE_BODY:
+        return [
+            f"its neighbouring points are {times:.2g} times as far apart at some times as at others (beyond noise), "
+            "which points of a body that bends and stretches are not. Are they points of one body, and in their order "
+            "along it? Where each is another animal's (as trackers of groups write them) K means nothing"
+        ]
     found, whole = [], stretching(body, motion)
     if whole.sure and whole.share >= LEAST_SHARE:
         found.append(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
@@ -14,7 +14,7 @@ from serpenoid.files.schema import Duration, FilePath, Line, Name, Record, Text,
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.columns import MotionColumns, ServoKeys, TimeUnit
 from serpenoid.measure.readers import FORMATS, READERS, MotionFormat
-from serpenoid.measure.tracks import LengthUnit, Tracks
+from serpenoid.measure.tracks import METRES, LengthUnit, Tracks
 from serpenoid.medium import OpenMedium
 from serpenoid.table_file import read_table as read_joint_table
 
@@ -50,6 +50,16 @@ class MotionKeys(Record):
     columns: MotionColumns | None = Field(default=None, description="tidy, long: the file's own column names")
     time_unit: TimeUnit | None = Field(default=None, description="s | ms | us | ns, of a tidy or long file")
     first_point: Literal["tail", "head"] | None = Field(default=None, description="where point or column numbers start")
+
+    @field_validator("length_unit", mode="before")
+    @classmethod
+    def _unit(cls, unit: Any) -> Any:
+        if isinstance(unit, str) and unit not in METRES:
+            raise ValueError(
+                f"must be {', '.join(METRES)}; multiply positions by what one of yours is in one of these (an inch is "
+                '25.4 mm), or say "bl": K needs no unit'
+            )
+        return unit
 
     @model_validator(mode="after")
     def _roles(self) -> Self:

@@ -19,6 +19,7 @@ import numpy as np
 from serpenoid.errors import InputError
 
 TIMEOUT_S = 120
+OTHERS = "others"  # in words
 MAT_ARRAYS = ("t_s", "frame", "points", "x", "y")
 OWN = "_"  # before names that a file gives: `file` is a word of savez
 Arrays = dict[str, Any]
@@ -77,12 +78,20 @@ def _c3d() -> Callable[[str], Arrays]:
 
 
 def _matlab() -> Callable[[str], Arrays]:
-    """The arrays of a .mat that are asked for."""
-    from scipy.io import loadmat
+    """The arrays of a .mat that are asked for, and in words what else is there."""
+    from scipy.io import loadmat, whosmat
+
+    def told(path: str, name: str, shape: tuple[int, ...], kind: str) -> str:
+        if kind != "struct":
+            return f"`{name}` ({', '.join(map(str, shape))})"
+        fields = loadmat(path, appendmat=False, variable_names=[name])[name].dtype.names or ()
+        return f"`{name}` (struct: {', '.join(fields)})"
 
     def read(path: str) -> Arrays:
         found = loadmat(path, appendmat=False, variable_names=MAT_ARRAYS)
-        return {name: np.asarray(found[name], dtype=float) for name in MAT_ARRAYS if name in found}
+        arrays = {name: np.asarray(found[name], dtype=float) for name in MAT_ARRAYS if name in found}
+        others = [told(path, *of) for of in whosmat(path, appendmat=False) if of[0] not in MAT_ARRAYS]
+        return arrays | {OTHERS: np.array(others, dtype="U")}
 
     return read
 

@@ -173,6 +173,7 @@ def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | Non
         if source != "none" and servo is not None and files.servo_log is not None:
             notes += log_covers(schedule, files.servo_log.time_s + servo.offset.offset_s)
     if motion is not None:
+        notes += [labelled.said] if labelled is not None and labelled.said else []
         passages, complaints = cut_passages(motion, schedule if source != "none" else None, files.servo_log)
         notes += complaints
         still = nothing_moved(motion.time_s, motion.markers)

@@ -7,7 +7,7 @@ from pathlib import Path
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import RECORDING_BYTES, read_bytes
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.child import read_in_child
+from serpenoid.measure.child import OTHERS, read_in_child
 
 OF_IDTRACKER = (
     "Trajectories of idtracker and idtracker.ai are one point an animal: where it is, and not how it bends. That takes "
@@ -15,12 +15,14 @@ OF_IDTRACKER = (
 )
 
 
-def read_mat(path: Path) -> dict[str, Floats]:
-    """The arrays of a .mat that are read, which must be numbers."""
+def read_mat(path: Path) -> tuple[dict[str, Floats], list[str]]:
+    """The arrays of a .mat that are read, which must be numbers; what else is in it, in words."""
     data = read_bytes(path, RECORDING_BYTES)
     if data.startswith((b"MATLAB 7.3", b"\x89HDF")):
+        group = f" {OF_IDTRACKER}" if b"trajectories" in data else ""
         raise InputError(
             f"{path}: is saved in MATLAB's format 7.3 (HDF5). In MATLAB: `load {path.name}`, then "
-            f"`save('{path.name}', 't_s', 'points', '-v7')`. {OF_IDTRACKER}"
+            f"`save('{path.name}', 't_s', 'points', '-v7')`.{group}"
         )
-    return read_in_child("MATLAB", path, len(data))
+    found = read_in_child("MATLAB", path, len(data))
+    return found, [str(said) for said in found.pop(OTHERS)]

@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
 from serpenoid.errors import InputError
+from serpenoid.measure.arrays import read_array
 from serpenoid.measure.motive import read_motive
 from serpenoid.measure.points import read_c3d, read_long, read_sleap
 from serpenoid.measure.qualisys import read_qualisys
 from serpenoid.measure.tidy import read_tidy
 from serpenoid.measure.trackers import (
     Timing,
-    read_array,
     read_deeplabcut,
     read_sleap_analysis,
     read_tierpsy,

@@ -7,13 +7,14 @@ edge lengths and whose path it continues; what matches nothing is left out and r
 from __future__ import annotations
 
 import difflib
+import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from serpenoid.errors import InputError
-from serpenoid.measure.cells import Floats
+from serpenoid.measure.cells import Floats, listed
 from serpenoid.measure.tracks import Tracks
 
 GATE = 0.35  # of the median edge: farther from where its path leads, a point is not this vertex
@@ -27,12 +28,14 @@ class Labelled:
     vertices: Floats
     relabelled: tuple[tuple[str, int], ...]
     unused: tuple[str, ...]
+    said: str = ""  # of names and markers that are passed over
 
 
 def label_vertices(
     tracks: Tracks, markers: tuple[str, ...] | None, edges: Floats | None, count: int, from_head: bool
 ) -> Labelled:
-    """Map markers to the `count` vertices, tail first. `edges` (N - 1) [m] is needed to place unlabelled fragments."""
+    """Map markers to the `count` vertices, tail first. Unlabelled fragments are placed by `edges` (N - 1) [m], or,
+    where these are not known, by the distances of labelled markers, if all are."""
     if markers is None and not any(tracks.unlabelled):
         return _by_order(tracks, count, from_head)
     vertices = np.full((len(tracks.time_s), count, 2), np.nan)
@@ -52,8 +55,38 @@ def label_vertices(
     if not free:
         return Labelled(vertices, (), others)
     if edges is None:
-        raise InputError(f"{tracks.source}: unlabelled markers need `edge_lengths` in [body] to be told apart.")
+        never = [name for name, seen in zip(named, np.isfinite(vertices[..., 0]).any(axis=0), strict=True) if not seen]
+        if never or not named:
+            lacking = f"`{never[0]}` has no label in it" if never else "the campaign names no `markers`"
+            raise InputError(
+                f"{tracks.source}: unlabelled markers need `edge_lengths` in [body] to be told apart, where {lacking}. "
+                "Or label all points of the body where they were recorded, and export the file again."
+            )
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # neighbours that are never seen together fit nothing
+            edges = np.nanmedian(np.linalg.norm(np.diff(vertices, axis=1), axis=2), axis=0)
+        found = _place_fragments(tracks, vertices, free, edges, others)
+        return replace(found, said=_left_out(tracks, found, named))
     return _place_fragments(tracks, vertices, free, edges, others)
+
+
+def _left_out(tracks: Tracks, found: Labelled, named: Sequence[str]) -> str:
+    """What is said of fragments that found no place beside labels, by distances that these show; where one may be a
+    point that is hidden meanwhile, what to do."""
+    free = [m for m, name in enumerate(tracks.names) if tracks.unlabelled[m] and name in found.unused]
+    if not free:
+        return ""
+    hidden = np.isnan(found.vertices[..., 0])
+    meanwhile = (hidden & tracks.seen[:, free].any(axis=1, keepdims=True)).sum(axis=0)
+    names = listed([f"`{tracks.names[m]}`" for m in free[:3]])
+    said = f"{len(free)} unlabelled marker{'s' * (len(free) > 1)} left out ({names}): no place on the body fits"
+    if not meanwhile.any():
+        return said
+    which = int(meanwhile.argmax())
+    return (
+        f"{said}. `{named[which]}` is hidden in {meanwhile[which]} frames that "
+        "show one of them: if it is this, label it where it was recorded"
+    )
 
 
 def _refuse_misspelt(tracks: Tracks, named: tuple[str, ...], others: tuple[str, ...]) -> None:
@@ -82,9 +115,10 @@ def _subjects(names: Sequence[str], wanted: Sequence[str]) -> str:
 
 def _by_order(tracks: Tracks, count: int, from_head: bool) -> Labelled:
     if len(tracks.names) != count:
+        names = ", ".join(f"`{name}`" for name in tracks.names[:3])
         raise InputError(
-            f"{tracks.source}: {len(tracks.names)} markers for {count} vertices: "
-            "in [motion], name those of the vertices, tail first, as `markers`, or say as `vertices` which have one."
+            f"{tracks.source}: {len(tracks.names)} markers for {count} vertices: in [motion], name those of the "
+            f"vertices, tail first, as `markers` (the file's are {names}, ...), or say as `vertices` which have one."
         )
     if not tracks.in_order:
         raise InputError(

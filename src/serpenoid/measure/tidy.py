@@ -20,12 +20,15 @@ from serpenoid.measure.columns import (
     refuse_other_unit,
     shown,
 )
+from serpenoid.measure.matlab import OF_IDTRACKER
 from serpenoid.measure.tracks import METRES, Tracks, in_places, no_time, upright
 
 OWN_NAMES = (
     'Own names: `columns = { time = "Time (s)", x = "M*_x", y = "M*_y" }` in [motion], `*` where the numbers of the '
     "points stand, tail first (docs/your-csv.md)."
 )
+
+OF_SEVERAL = f" Are these points along one body? {OF_IDTRACKER}"
 
 FIRST_CELLS = {
     "scorer": "deeplabcut", "track": "sleap", "Format Version": "motive", "Trajectories": "vicon", "Devices": "vicon",
@@ -104,15 +107,17 @@ def _own(header: list[str]) -> str:
     if len(named) != 2 or any(name.count("*") != 1 for name in named) or '"' in "".join(header):
         return OWN_NAMES
     x, y = named
+    several = OF_SEVERAL if {x.casefold(), y.casefold()} == {"x*", "y*"} else ""
     if re.sub(r"[0-9]+", "*", header[0]) == x:  # points begin in the first column
         return (
             f'Own names: `columns = {{ x = "{x}", y = "{y}" }}` and `frames_per_second` in [motion], as the file '
             "has no column of times and each row is the next frame; points tail first, units as `length_unit` "
-            "(docs/your-csv.md)."
+            f"(docs/your-csv.md).{several}"
         )
     return (
         f'Own names: `columns = {{ time = "{header[0]}", x = "{x}", y = "{y}" }}` in [motion], `frame` for `time` '
-        "where frames are counted; points tail first, units as `length_unit` and `time_unit` (docs/your-csv.md)."
+        "where frames are counted; points tail first, units as `length_unit` and `time_unit` "
+        f"(docs/your-csv.md).{several}"
     )
 
 

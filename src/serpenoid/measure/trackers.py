@@ -1,4 +1,4 @@
-"""Files of animal trackers: DeepLabCut (CSV, HDF5), SLEAP analysis and Tierpsy (HDF5), plain arrays (npz).
+"""Files of animal trackers: DeepLabCut (CSV, HDF5), SLEAP analysis and Tierpsy (HDF5).
 
 All of them give points in the order of the file; image coordinates (pixels, y down) are turned up. HDF5 needs h5py
 (`pip install 'serpenoid[hdf5]'`). Points whose score is below `minimum_score` count as hidden.
@@ -17,13 +17,10 @@ from typing import Any
 import numpy as np
 
 from serpenoid.errors import InputError
-from serpenoid.files.inputs import RECORDING_BYTES, read_bytes
 from serpenoid.measure.cells import Floats, block, increasing_times, read_rows
-from serpenoid.measure.child import read_in_child
 from serpenoid.measure.individuals import chosen
-from serpenoid.measure.matlab import OF_IDTRACKER, read_mat
 from serpenoid.measure.scores import sure
-from serpenoid.measure.tracks import DOWN, METRES, End, Tracks, no_time, upright
+from serpenoid.measure.tracks import DOWN, METRES, End, Tracks, no_time
 
 LIKELY = 0.6  # DeepLabCut's own default of what it shows
 BROKEN = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError, MemoryError, OverflowError)
@@ -83,7 +80,7 @@ def _deeplabcut_csv(path: Path) -> tuple[list[tuple[str, ...]], Floats, Floats]:
 
 def _pandas_table(path: Path) -> tuple[list[tuple[str, ...]], Floats, Floats]:
     """The table pandas wrote (`to_hdf(..., format="table")`): its column names are a pickled list in an attribute."""
-    with _hdf5(path) as file:
+    with hdf5(path) as file:
         group = next((file[k] for k in file if "table" in getattr(file[k], "keys", dict)()), None)
         if group is None:
             raise InputError(f"{path}: holds no table as DeepLabCut writes it. Export it as CSV instead.")
@@ -110,7 +107,7 @@ def _plain_pickle(data: Any, path: Path) -> Any:
 def read_sleap_analysis(path: str | Path, timing: Timing) -> Tracks:
     """`tracks` (instances, 2, nodes, frames), `node_names`, `point_scores`: SLEAP's analysis HDF5."""
     path = Path(path)
-    with _hdf5(path) as file:
+    with hdf5(path) as file:
         _require(file, path, "SLEAP analysis", "tracks", "node_names")
         names = [n.decode() if isinstance(n, bytes) else str(n) for n in _whole(file["node_names"], path)]
         tracks = np.asarray(_whole(file["tracks"], path), float)
@@ -129,7 +126,7 @@ def read_sleap_analysis(path: str | Path, timing: Timing) -> Tracks:
 def read_tierpsy(path: str | Path, timing: Timing) -> Tracks:
     """`coordinates/skeletons` (F, points, 2) [um] of a features file, head first; one worm."""
     path = Path(path)
-    with _hdf5(path) as file:
+    with hdf5(path) as file:
         _require(file, path, "Tierpsy features", "coordinates/skeletons")
         skeletons = np.asarray(_whole(file["coordinates/skeletons"], path), float)
         frames = np.arange(len(skeletons), dtype=float)
@@ -152,37 +149,6 @@ def read_tierpsy(path: str | Path, timing: Timing) -> Tracks:
     if not rate:
         raise no_time(path, "does not say how many frames a second")
     return as_tracks(path, frames / rate, skeletons * DOWN, timing.length_unit or "um")
-
-
-def read_array(path: str | Path, timing: Timing) -> Tracks:
-    """An .npz or .mat with `points` (F, N, 2), or `x` and `y` (F, N); `t_s` (F,), or `frame` and a frame rate; an .npy
-    with points alone."""
-    path = Path(path)
-    arrays = read_mat(path) if path.suffix.lower() == ".mat" else read_npz(path)
-    if "points" not in arrays and {"x", "y"} <= set(arrays) and arrays["x"].shape == arrays["y"].shape:
-        arrays["points"] = np.stack([arrays["x"], arrays["y"]], axis=-1)
-    points = arrays.get("points")
-    if points is None or points.ndim != 3 or points.shape[2] != 2:
-        raise InputError(
-            f"{path}: needs `points` (F, N, 2), or `x` and `y` (F, N); it has {', '.join(arrays) or 'neither'}. "
-            f"{OF_IDTRACKER}"
-        )
-    if "t_s" in arrays:
-        times = arrays["t_s"].ravel()
-    elif timing.frames_per_second:
-        times = arrays.get("frame", np.arange(len(points), dtype=float)).ravel() / timing.frames_per_second
-    else:
-        raise no_time(path, "has no `t_s`")
-    unit = timing.length_unit or "m"
-    return as_tracks(path, times, upright(points, unit), unit)
-
-
-def read_npz(path: Path) -> dict[str, Floats]:
-    """All arrays of an .npz, which must be numbers; the one of an .npy is `points`."""
-    try:
-        return read_in_child("NumPy", path, len(read_bytes(path, RECORDING_BYTES)))
-    except InputError as error:
-        raise InputError(f"{error} {OF_IDTRACKER}" if "pickle" in str(error) else str(error)) from None
 
 
 def _image(path: Path, frames: Floats, names: Sequence[str], floor: Floats, timing: Timing) -> Tracks:
@@ -211,7 +177,8 @@ def _tracks(path: Path, times: Floats, names: Sequence[str], floor: Floats, unit
 
 
 @contextmanager
-def _hdf5(path: Path) -> Iterator[Any]:
+def hdf5(path: Path) -> Iterator[Any]:
+    """An HDF5 file to read from; InputError where it is none."""
     try:
         import h5py
     except ImportError:

@@ -15,8 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.errors import InputError
+from serpenoid.measure.arrays import read_npz
 from serpenoid.measure.cells import Floats, block, read_rows
-from serpenoid.measure.trackers import Timing, as_tracks, read_npz
+from serpenoid.measure.trackers import Timing, as_tracks
 from serpenoid.measure.tracks import DOWN, Tracks, no_time
 
 POSE = re.compile(r"poseX(\d+)$")

@@ -34,6 +34,7 @@ from serpenoid.measure.servo_alignment import (
 from serpenoid.measure.smooth import smooth_states
 from serpenoid.measure.strays import without_strays
 from serpenoid.measure.stretches import Stretches, stretches, unstretched
+from serpenoid.measure.wild import beyond_bridge, said_of_hidden
 
 REPEATED = 2  # times that stretches are taken off: along the chain as it is with them, and as it is without
 SHORTEST_RUN = 8  # frames: less is no motion
@@ -146,6 +147,7 @@ def build_motion(
     are taken to do.
     """
     notes: list[str] = []
+    filmed = markers
     estimate = estimate_chain(body, markers)
     strays: tuple[Jump, ...] = ()
     never = _never_seen(markers)
@@ -185,7 +187,9 @@ def build_motion(
         longest = float((time_s[holes] - time_s[holes - 1]).max())
         places = "1 place" if len(holes) == 1 else f"{len(holes)} places"
         notes.append(f"frames are missing from the file in {places}, for {longest:.3g} s at most")
-    return _motion(body, time_s, (markers, points), helped, estimate, cuts, (*labels, stretched)), servo, notes
+    motion = _motion(body, time_s, (markers, points), helped, estimate, cuts, (*labels, stretched))
+    notes += said_of_hidden(filmed, motion.markers, time_s) if helped is None else []
+    return motion, servo, notes
 
 
 def _helped(body: Body, markers: Floats, servo: ServoAlignment, by_markers: ChainEstimate) -> ChainEstimate:
@@ -224,6 +228,8 @@ def _motion(
     chain is fitted to."""
     smooth_poses, smooth_angles = _smooth_runs(body, first, time_s, cuts[2])
     known = np.isfinite(smooth_poses[:, 0])
+    wild = beyond_bridge(body, seen[1], smooth_poses, smooth_angles, known & ~first.determined, first.marker_sd)
+    seen = np.where(wild[..., None], np.nan, seen[0]), np.where(wild[..., None], np.nan, seen[1])
     poses, angles, covariance, vertices = (
         np.full((len(time_s), *shape), np.nan)
         for shape in ((3,), (body.joint_count,), (3 + body.joint_count,) * 2, (body.vertices, 2))

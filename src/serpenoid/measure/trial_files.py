@@ -158,6 +158,8 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
             raise InputError(f"{tracks.source}: {len(tracks.time_s)} frame(s); a motion takes {FEWEST_FRAMES} or more.")
         edges = file.body.edges_m if file.lengths_given and tracks.scale_known else None
         labelled = label_markers(tracks, keys, edges, file.body)
+        if said := _without_effect(file, entry, tracks):
+            labelled = replace(labelled, said=said)
         if keys.undo_exchanges:
             from serpenoid.measure.consistency.exchanged import named_as_in_most, told  # SciPy, long to import
 
@@ -189,8 +191,7 @@ def _of_every_joint(log: ServoLog | None, body: Body) -> None:
 
 def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, body: Body) -> Labelled:
     """Tracks as vertices 0 .. N - 1, NaN where none has a marker, by names and edge lengths (N - 1,), if known."""
-    of_vertices = keys.format is not None and READERS[keys.format].vertices
-    markers = None if of_vertices else keys.markers
+    markers = None if _labels_alone(tracks, keys) else keys.markers
     marked, first = keys.marked(body.vertices), keys.first_point or tracks.first_point
     if tracks.first_point not in (None, first):
         raise InputError(
@@ -201,6 +202,25 @@ def label_markers(tracks: Tracks, keys: MotionKeys, edges: Floats | None, body: 
     vertices = np.full((len(found.vertices), body.vertices, 2), np.nan)
     vertices[:, marked] = found.vertices
     return replace(found, vertices=vertices, relabelled=tuple((name, marked[k]) for name, k in found.relabelled))
+
+
+def _labels_alone(tracks: Tracks, keys: MotionKeys) -> bool:
+    """Whether `markers` only says what vertices are called, of a file whose points are the vertices in their order:
+    where it names one of those points, it says which of them are taken, and in which order."""
+    of_vertices = keys.format is not None and READERS[keys.format].vertices
+    return of_vertices and not {*tracks.names} & {*(keys.markers or ())}
+
+
+def _without_effect(file: CampaignFile, entry: TrialEntry, tracks: Tracks) -> str:
+    """What is said of `markers` that are for such a file, and name none of its points; else ""."""
+    keys = file.motion_of(entry)
+    of_another = entry.markers is None and entry.format not in (None, file.motion.format)
+    if not keys.markers or not _labels_alone(tracks, keys) or of_another or not file.tracked_only:
+        return ""
+    return (
+        f"`markers` names none of its points, which are called `{tracks.names[0]}` .. `{tracks.names[-1]}` (in the "
+        "order of their columns): it chooses none of them, and puts none elsewhere. Use these names, or leave it out"
+    )
 
 
 def marker_names(tracks: Tracks | None, keys: MotionKeys, body: Body) -> list[str]:

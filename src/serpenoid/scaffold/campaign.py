@@ -15,6 +15,7 @@ from serpenoid.measure.readers import NAMES, READERS
 from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium
 from serpenoid.scaffold.film import FILM, OF_A_FILM, campaign_of
+from serpenoid.scaffold.film_format import format_of
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import Answers, Question, Template, existing, number, one_of
 from serpenoid.table_file import write_table
@@ -48,7 +49,13 @@ QUESTIONS = (
         existing,
         unless="film",
     ),
-    Question("format", f"Format of the motion files: {', '.join(NAMES)}", "motive", one_of(*NAMES)),
+    Question(
+        "format",
+        f"Format of the motion files: {', '.join(NAMES)} (of a film what it begins like)",
+        "motive",
+        one_of(*NAMES),
+        guess=lambda answers: format_of(answers["film"]) if answers.get("film") else None,
+    ),
     Question(
         "frames-per-second",
         "Frames per second of the cameras, where their files do not say",

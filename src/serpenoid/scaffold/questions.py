@@ -21,7 +21,7 @@ class Question:
 
     unless, only: another question; where that has an answer (only: has none), this one is not looked at.
     of_robots: not asked of an animal, whose answer is None unless it is given; animals: other defaults, by their kind.
-    key: of the file; where it is not written, nothing was assumed.
+    key: of the file; where it is not written, nothing was assumed. guess: the default by what is answered already.
     """
 
     name: str
@@ -33,10 +33,12 @@ class Question:
     of_robots: bool = False
     animals: Mapping[str, str] = field(default_factory=dict)
     key: str = ""
+    guess: Callable[[Answers], str | None] | None = None
 
     def default_for(self, answers: Answers) -> str:
         """The default beside what is answered already."""
-        return self.animals.get(answers.get("kind") or "", self.default)
+        guessed = self.guess(answers) if self.guess is not None else None
+        return guessed or self.animals.get(answers.get("kind") or "", self.default)
 
     @property
     def help(self) -> str:

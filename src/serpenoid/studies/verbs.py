@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from serpenoid.compare.calibrate import Calibration, calibrate, drag_ratio, wider_intervals
 from serpenoid.compare.start import compared_model, neutral_model
 from serpenoid.compare.study import NOTHING, Study, compare_campaign
@@ -46,14 +48,15 @@ class Fitted(Shown):
 
     @property
     def drag_ratio(self) -> tuple[float, float, float]:
-        """K = 1 / eps of all trials together, and its 95 % interval."""
+        """K = 1 / eps of all trials together (NaN: these data do not determine it), and its 95 % interval."""
         return drag_ratio(self.calibration.together, self.model)
 
     def summary(self) -> str:
         """Every number with its 95 % interval, the widest of them, and what is to be said against it."""
         best = self.calibration.together
-        numbers = zip(best.names, best.values, wider_intervals(best, self.model), strict=True)
-        said = ", ".join(f"{name} {value:.4g} (95 %: {low:.4g} .. {high:.4g})" for name, value, (low, high) in numbers)
+        shown = ["not determined" if np.isnan(value) else f"{value:.4g}" for value in best.told]
+        numbers = zip(best.names, shown, wider_intervals(best, self.model), strict=True)
+        said = ", ".join(f"{name} {value} (95 %: {low:.4g} .. {high:.4g})" for name, value, (low, high) in numbers)
         return "; ".join([said, *best.warnings])
 
 

@@ -387,13 +387,14 @@ def drag_ratio(record: Record) -> str:
     ratio = record["drag_ratio"]
     low, high = ratio["interval"]
     how = ", frame by frame as in `fit`" if ratio.get("by_frames", True) else ""  # older answers do not say
+    value = "not determined" if ratio["value"] is None else f"{ratio['value']:.4g}"
     interval = f"(95 %: {low:.4g} .. {high:.4g}{how})"
     if not record["effects"]:
-        return f"{ratio['value']:.4g} {interval} if {law(record)} is all there is{_of_dry_friction(record)}"
+        return f"{value} {interval} if {law(record)} is all there is{_of_dry_friction(record)}"
     eps = record["anisotropy_ratio"]
     least, most = eps["interval"]
     named = f"{1 / eps['after']:.4g} (95 %: {1 / most:.4g} .. {1 / least:.4g}) beside what is named"
-    return f"{named}; {ratio['value']:.4g} if {law(record)} were all there is"
+    return f"{named}; {value} if {law(record)} were all there is"
 
 
 def _of_dry_friction(record: Record) -> str:
@@ -401,6 +402,8 @@ def _of_dry_friction(record: Record) -> str:
     small slip angles dry friction with forces 1 to K is drag of 1 to K^2 (`media/coulomb.py`)."""
     asked = record["law"]
     if asked["name"] != DEFAULT or not asked.get("open") or asked.get("rivals"):  # older answers do not say
+        return ""
+    if record["drag_ratio"]["value"] is None:
         return ""
     root = math.sqrt(record["drag_ratio"]["value"])
     return f"; about {root:.2g}, its root, if dry friction is, which may leave as little here"
