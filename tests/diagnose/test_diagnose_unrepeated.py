@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -101,7 +102,31 @@ def test_a_change_of_eps_that_leaves_a_third_of_itself_is_not_all_where_nothing_
     strength: float, unrepeated: bool, told: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(borne_out, "beyond_markers", lambda _: 1.0)
-    selection = SimpleNamespace(motion=SimpleNamespace(unrepeated=unrepeated))
-    found = choose_motion.MotionFinding(Stage("motion"), cast(Any, selection), (), 0.0, 0.0)
-    judged = borne_out.beside_another_ratio(found, RatioChange(0.14, 0.37, strength)).stage
+    found = with_noise(monkeypatch, unrepeated)
+    judged = borne_out.beside_another_ratio(found, RatioChange(0.14, 0.37, strength), cast(Any, Extension()), 0.0).stage
     assert judged.settled != told
+
+
+class Extension:
+    predictions = ()
+
+
+def with_noise(monkeypatch: pytest.MonkeyPatch, unrepeated: bool) -> choose_motion.MotionFinding:
+    """Of 1 mm, at most twice that by chance, beside 1.5 mm that other gaits leave open: 2.5 mm together."""
+    monkeypatch.setattr(borne_out, "left_open", lambda *_: np.array([0.0015]))
+    monkeypatch.setattr(borne_out, "path_noise", lambda *_: SimpleNamespace(farthest=2.0))
+    selection = SimpleNamespace(motion=SimpleNamespace(unrepeated=unrepeated), noise_level_m=0.001)
+    return choose_motion.MotionFinding(Stage("motion"), cast(Any, selection), (), 0.0, 0.0)
+
+
+@pytest.mark.parametrize(("held_out_mm", "settled"), [(2.4, True), (2.6, False)])
+def test_a_change_of_eps_that_other_gaits_do_not_bear_out_may_make_up_for_another(
+    held_out_mm: float, settled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A seized wheel of a rigid-body robot was told as another eps: each gait by itself, and none by the others."""
+    found = with_noise(monkeypatch, unrepeated=False)
+    change = RatioChange(0.09, 0.11, 5.5)
+    judged = borne_out.beside_another_ratio(found, change, cast(Any, Extension()), held_out_mm / 1e3).stage
+    assert judged.settled == settled
+    named = replace(found, stage=replace(found.stage, named=(Named(ActiveEffect.typical("slope"), {}, 2.0),)))
+    assert borne_out.beside_another_ratio(named, change, cast(Any, Extension()), 1.0) is named

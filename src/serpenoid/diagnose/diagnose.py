@@ -255,7 +255,8 @@ def concluded(
     before, after = scores(found.motion, predicted), scores(found.motion, better, jumps)
     motion = borne_out(motion, extension, before, after)
     changed = ratio_changed(motion, baseline)
-    alone, motion = motion, beside_another_ratio(motion, changed)
+    strays = min(total(before.path), total(after.path))
+    alone, motion = motion, beside_another_ratio(motion, changed, extension, strays)
     if motion is not alone:  # beside what is left, gaits must agree about it
         changed = ratio_changed(motion, baseline)
     stages = (*stages[:-1], motion.stage)
