@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.errors import InputError
-from serpenoid.files.alone import alone
+from serpenoid.files.alone import LOCK, alone
 from serpenoid.files.inputs import RECORDING_BYTES, read_bytes, read_json
 from serpenoid.files.writing import EARLIER, atomic, clear_unfinished, short_hash, write_json
 
@@ -69,7 +69,7 @@ def _hold(args: argparse.Namespace, folder: Path) -> None:
     if folder in (mine for mine, _ in getattr(args, "requests", [])):
         return
     said = f"--out {folder}: another serpenoid command is at work on it. Name another folder, or wait for its end."
-    args.held.enter_context(alone("folder", folder, said))
+    args.held.enter_context(alone(folder, said))
 
 
 def place(args: argparse.Namespace, made: Path, folder: Path) -> list[Path]:
@@ -145,7 +145,7 @@ def move_aside(folder: Path, found: Sequence[Path] | None = None) -> None:
     A sweep's solved points stay: each is checked against the problem when it is taken up.
     """
     if found is None:
-        found = [path for path in folder.iterdir() if not path.name.startswith((EARLIER, "chain"))]
+        found = [path for path in folder.iterdir() if not path.name.startswith((EARLIER, "chain", LOCK))]
     place = _aside(folder)
     place.mkdir()
     for path in found:
