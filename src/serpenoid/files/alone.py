@@ -24,7 +24,8 @@ def alone(folder: str | Path, refused: str, wait_s: float = 0.0) -> Iterator[Non
     The lock is a file in the folder itself: who can write there sees it, from any account, container or computer, by
     any name of the folder. The system lets go what a killed process held, and the file that it left holds nobody up.
     The file is removed while it is held: who waited for it notices that what it then has is no longer there, and
-    begins anew. A folder that was not there is made, and removed if it is empty in the end and no other used it meanwhile.
+    begins anew. A folder that was not there is made, and removed if it is empty in the end and no other used it
+    meanwhile.
     """
     place = Path(os.path.realpath(folder))
     made = [path for path in (place, *place.parents) if not path.exists()]
