@@ -35,10 +35,15 @@ from pathlib import Path
 from serpenoid.errors import InputError
 from serpenoid.files.alone import alone
 folder, inside = Path(sys.argv[1]), Path(sys.argv[2])
-for _ in range(200):
-    with alone(folder, "waited in vain", 30):
-        os.close(os.open(inside, os.O_CREAT | os.O_EXCL))  # fails where two are within
-        inside.unlink()
+done = 0
+while done < 300:
+    try:
+        with alone(folder, "taken"):
+            os.close(os.open(inside, os.O_CREAT | os.O_EXCL))  # fails where two are within
+            inside.unlink()
+            done += 1
+    except InputError:
+        continue
 """
 
 
