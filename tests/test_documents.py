@@ -6,10 +6,12 @@ import re
 import tomllib
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
 import serpenoid
+import serpenoid as sp
 from serpenoid.cli.main import VERBS
 from serpenoid.objectives import demands, terms
 from serpenoid.objectives.obstacles import Obstacle
@@ -56,6 +58,17 @@ def test_the_architecture_names_every_folder() -> None:
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     folders = {path.parent.name for path in (ROOT / "src" / "serpenoid").glob("*/__init__.py")}
     assert {folder for folder in folders if f"`{folder}/`" not in text} == set()
+
+
+def test_the_example_of_another_solver_ends_in_an_optimum_that_is_certified(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(ROOT)
+    *_, example = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "start" / "python.md").read_text("utf-8"), re.S)
+    assert "ipopt" in example
+    exec(example, {"sp": sp, "ca": ca})
+    said = re.findall("# (solved, .*)", example)
+    assert capsys.readouterr().out.splitlines()[-1] == f"<OwnCertificate {said[0]}>"
 
 
 GOALS = (ROOT / "docs" / "goals.md").read_text(encoding="utf-8")

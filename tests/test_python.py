@@ -250,6 +250,9 @@ MISUSE = {
     "starts of a sweep": (lambda: sp.sweep(PROBLEM, [0.5], starts=1.5), r"`starts` must be"),
     "a problem for a model": (
         lambda: sp.simulate_joint_angles(PROBLEM, np.zeros((5, 3))), r"got Problem\. Of a problem: problem\.model"),
+    "a file for a folder": (lambda: sp.solve(PROBLEM, folder=REFERENCE), r"`folder` .*toml is a file, not a folder"),
+    "below a file": (lambda: sp.sweep(PROBLEM, [0.5], folder=REFERENCE / "x"), r"`folder` .*toml is a file, not a"),
+    "no folder": (lambda: sp.solve(PROBLEM, folder=3), r"`folder` must be a path, got int"),
     "steps of a problem": (lambda: sp.step_functions(PROBLEM), r"`model` must be a Model, got Problem"),
     "a motion to write": (lambda: sp.write_simulation("x", sp.simulate(PROBLEM).trajectory), r"must be a Simulation"),
     "starts to write": (lambda: sp.write_solution("x", sp.solve(PROBLEM, starts=1)), r"Of many starts .* found\.best"),
@@ -261,6 +264,22 @@ def test_misuse_is_refused_in_words(name: str) -> None:
     call, said = MISUSE[name]
     with pytest.raises(InputError, match=said):
         call()
+
+
+def test_results_are_equal_where_all_their_numbers_are() -> None:
+    one, again, other = (sp.simulate(sp.load(REFERENCE, set=[f"task.steps={steps}"])) for steps in (20, 20, 21))
+    assert one == again
+    assert one != other
+    assert one.trajectory != one
+    lost = [sp.simulate_joint_angles(PROBLEM.model, np.full((4, 3), np.nan)) for _ in range(2)]
+    assert lost[0] == lost[1]
+    found = [sp.solve(PROBLEM, starts=1).best for _ in range(2)]
+    assert found[0] == dataclasses.replace(found[1], seconds=found[0].seconds, timing=found[0].timing)
+
+
+def test_a_sweep_says_that_its_optimum_may_be_local_where_one_start_led_to_it() -> None:
+    assert "solved from 1 start (more may find a better optimum)" in repr(sp.sweep(PROBLEM, [0.5], starts=1))
+    assert "solved from 2 starts, c = 0.5" in repr(sp.sweep(PROBLEM, [0.5], starts=2))
 
 
 def test_what_is_printed_is_short() -> None:

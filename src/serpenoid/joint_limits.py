@@ -79,6 +79,15 @@ def turns_per_cycle(table: Floats, closed: bool) -> tuple[int, float]:
     return int(fastest.argmax()), float(fastest.max())
 
 
+def odd_angles(table: Floats, in_space: bool = False) -> tuple[str, ...]:
+    """That a table [rad] looks to be told in degrees, as a sentence: no link turns through its neighbour."""
+    joint, reach = largest_angle(table)
+    if not reach > 180.0 * (1 + KEPT):
+        return ()
+    named = f"{header(table.shape[1], in_space)[joint]} reaches {reach:.1f} degrees, more than half a turn"
+    return (f"{named}. Angles of gaits are in radians: were they given in degrees?",)
+
+
 def limit_lines(problem: Problem, table: Floats) -> list[str]:
     """Lines for a summary; none for a body that declares no limits."""
     return [*_angle_lines(problem, table), *_speed_lines(problem, table)]
@@ -107,12 +116,8 @@ def _angle_lines(problem: Problem, table: Floats) -> list[str]:
 
 
 def _impossible_lines(problem: Problem, table: Floats) -> list[str]:
-    """Of a body without limits: no link turns through its neighbour, and the likeliest way to ask for it is degrees."""
-    joint, reach = largest_angle(table)
-    if reach <= 180.0 * (1 + KEPT):
-        return []
-    named = f"{_columns(problem, table)[joint]} reaches {reach:.1f} degrees, more than half a turn"
-    return [f"warning           {named}. Angles of gaits are in radians: were they given in degrees?"]
+    """Of a body without limits."""
+    return [f"warning           {said}" for said in odd_angles(table, problem.lift is not None)]
 
 
 def _columns(problem: Problem, table: Floats) -> list[str]:

@@ -178,6 +178,8 @@ class Problem(Record):
         if frequency is not None and bounds is not None and not bounds[0] <= frequency <= bounds[1]:
             remedy = "widen the bounds or choose a frequency within"
             raise ValueError(f"task.constraints.spatial_frequency {frequency:g} is outside task.bounds.xi; {remedy}")
+        if self.task.transient and self.task.cycles > 1:
+            raise ValueError("task.cycles must be 1 with `transient`; what does not come back is played once")
         size = self.task.steps * self.task.cycles * self.body.vertices
         if size > MOST_POSITIONS:
             raise ValueError(f"task.steps * task.cycles * body.vertices must be at most {MOST_POSITIONS}, is {size}")

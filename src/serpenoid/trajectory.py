@@ -17,13 +17,14 @@ from serpenoid.status import Status
 STILL = 1e-4  # body lengths: the tremble that an optimiser leaves of a gait that stands
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Trajectory(Shown):
     """Motion of the body frame (weighted centroid, mean edge angle) and of every vertex.
 
     poses (R, 3): x, y [body lengths], heading [rad]; vertices (R, N, 2) [body lengths]; step_energy (R - 1,), raw;
     residual: largest |dE/d turn| of any step (weights sum to one, lengths in body lengths);
-    degree: of the step energy in the displacement (2: linear drag).
+    degree: of the step energy in the displacement (2: linear drag); odd_units: what of the shapes looks to be told in
+    another unit, as sentences.
     """
 
     status: Status
@@ -33,10 +34,12 @@ class Trajectory(Shown):
     residual: float
     steps_per_cycle: int
     degree: int = 2
+    odd_units: tuple[str, ...] = ()
 
     def summary(self) -> str:
-        """How it ended, how far it went."""
-        return f"{self.status.name.lower()}, {len(self.poses)} poses, {self.displacement:.6f} body lengths"
+        """How it ended, how far it went; what looks to be told in another unit."""
+        went = f"{self.status.name.lower()}, {len(self.poses)} poses, {self.displacement:.6f} body lengths"
+        return "; ".join([went, *(f"warning: {said}" for said in self.odd_units)])
 
     @property
     def net_motion(self) -> Floats:
@@ -85,7 +88,7 @@ class Trajectory(Shown):
 RESTING = 0.5  # of the contact: what rests more than this carries the body
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class LiftedTrajectory(Trajectory):
     """A motion in space: poses (R, 6), (z, pitch, roll) after (x, y, heading); vertices (R, N, 3).
 

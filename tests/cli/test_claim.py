@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 from pathlib import Path
 
@@ -68,10 +69,10 @@ def test_a_folder_on_which_another_command_works_is_refused_until_that_ends(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    with alone("folder", tmp_path / "elsewhere" / ".." / "out", ""):
+    with alone(tmp_path / "elsewhere" / ".." / "out", ""):
         assert simulated(out) == 2
     assert "another serpenoid command is at work on it" in capsys.readouterr().err
-    assert not out.exists()
+    assert not out.exists()  # held, it was made; with nothing in it, it went again
     assert simulated(out) == 0
     assert simulated(out) == 0  # the first has let it go
 
@@ -94,6 +95,27 @@ def test_a_command_ended_amid_its_answer_may_be_given_again(
     assert simulated(out, "--set", "gait.a=4") == 2
     assert "what another `simulate` left that was ended before its answer was whole" in capsys.readouterr().err
     assert simulated(out) == 0
+
+
+def test_an_answer_that_was_cut_short_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", "summary.txt")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("serpenoid.cli.options.report", full)
+        assert simulated(tmp_path) == 1
+    (tmp_path / ".writing-gait-abc.svg").touch()  # killed, too
+    (tmp_path / ".writing-report-abc.html").touch()
+    capsys.readouterr()
+    assert main(["show", str(tmp_path)]) == 0
+    cut_short = capsys.readouterr().out
+    assert cut_short.startswith("unfinished        files may be missing")
+    assert ".writing-" not in cut_short
+    assert simulated(tmp_path) == 0
+    assert main(["show", str(tmp_path)]) == 0
+    assert "unfinished" not in capsys.readouterr().out
 
 
 def test_force_moves_the_earlier_answer_aside_with_its_figures(tmp_path: Path) -> None:

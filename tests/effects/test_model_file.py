@@ -62,6 +62,30 @@ def test_faults_in_a_model_file_are_named(text: str, message: str, tmp_path: Pat
         sp.load(PROBLEM, model=path)
 
 
+def test_a_model_file_that_was_cut_off_anywhere_is_refused(model_file: Path, tmp_path: Path) -> None:
+    text, cut = model_file.read_text(encoding="utf-8"), tmp_path / "cut.toml"
+    taken = []
+    for length in range(len(text)):
+        cut.write_text(text[:length], encoding="utf-8")
+        try:
+            taken.append((length, sp.load(PROBLEM, model=cut)))
+        except InputError:
+            continue
+    assert [length for length, _ in taken] == [len(text) - 1]  # it lacks the last newline alone
+
+
+def test_a_model_file_may_be_changed_by_hand(model_file: Path) -> None:
+    text = model_file.read_text(encoding="utf-8")
+    first, second, *rest = text.split("[[effects]]")
+    model_file.write_text("[[effects]]".join([first, *rest]), encoding="utf-8")
+    assert len(sp.load(PROBLEM, model=model_file).effects) == 2
+    model_file.write_text(f"{text}[[effects]]{second}", encoding="utf-8")
+    with pytest.raises(InputError, match="worn_wheel"):  # twice at one place: read to its end
+        sp.load(PROBLEM, model=model_file)
+    model_file.write_text("\n".join(line for line in text.splitlines() if line[:1] != "#"), encoding="utf-8")
+    assert len(sp.load(PROBLEM, model=model_file).effects) == 3
+
+
 def test_speed_without_a_clock_is_refused_at_once(tmp_path: Path) -> None:
     path = tmp_path / "m.toml"
     write_model_file(path, Medium(anisotropy_ratio=0.2), [typical("inertia")])

@@ -112,6 +112,11 @@ def test_assignments_override_a_copy(assignment: str, expected: dict[str, Any]) 
         ("a.b", r"--set a\.b: write it as section\.key=value"),
         ("=3", r"--set =3: write it as section\.key=value"),
         ("a.b.c=3", r"--set a\.b\.c=3: `b` is not a section"),
+        ("a.b=[.1, .2]", r"--set a\.b=\[\.1, \.2\]: not valid TOML: Invalid value\. Write a 0 before a point that"),
+        ("a={b=[0.1, -.2]}", r"not valid TOML: Invalid value\. Write a 0 before a point that begins a number"),
+        ("a.b=[1, 2", r"--set a\.b=\[1, 2: not valid TOML: Unclosed array\."),
+        ('a.b="word', r"not valid TOML: "),
+        ("a.b=1\nx=2", r"holds several assignments\. Give each with a --set of its own"),
     ],
 )
 def test_assignments_that_are_none_are_refused(assignment: str, message: str) -> None:

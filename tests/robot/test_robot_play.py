@@ -9,6 +9,8 @@ import os
 import pty
 import re
 import signal
+import subprocess
+import termios
 import threading
 import time
 import tty
@@ -33,6 +35,8 @@ from emulated import (
 )
 
 from robot import servo_process
+from serpenoid.errors import InputError
+from serpenoid.robot.bus import open_bus
 from serpenoid.robot.table import read_table, write_table
 from serpenoid.robot.ticks import to_radians, to_ticks
 
@@ -298,7 +302,7 @@ def test_port_is_held_by_one_process_alone(tmp_path):
         ):
             second = serpenoid(*words)
             assert second.returncode == 2
-            assert "another serpenoid process is using this port" in second.stderr
+            assert "another program is using this port" in second.stderr
         assert not (tmp_path / "second").exists()
         assert process.poll() is None
         assert interrupt(process)[0] == 130
@@ -308,7 +312,23 @@ def test_foreign_program_on_the_port_is_respected(tmp_path):
     with emulator(tmp_path) as rig, serial.Serial(rig.port, 1000000, exclusive=True):
         done = serpenoid(*play_words(write_gait(tmp_path), rig.port, tmp_path / "log"))
         assert done.returncode == 2
-        assert "Could not exclusively lock port" in done.stderr
+        assert "another program is using this port" in done.stderr
+
+
+def test_a_second_master_changes_nothing_of_the_port(tmp_path):
+    with emulator(tmp_path) as rig, serial.Serial(rig.port, 1000000, exclusive=True) as first:
+        with pytest.raises(InputError, match="another program is using this port"):
+            open_bus(rig.port, 57600, {})
+        assert termios.tcgetattr(first.fd)[4:6] == [termios.B1000000] * 2
+
+
+def test_the_lock_of_a_port_is_its_own_and_leaves_nothing_behind(tmp_path):
+    (tmp_path / "temporary").mkdir()
+    with emulator(tmp_path) as rig:
+        words = command("robot", "off", "--robot", ROBOT_FILE, "--port", rig.port)
+        places = environment() | {"TMPDIR": str(tmp_path / "temporary")}
+        assert subprocess.run(words, env=places, capture_output=True, check=False).returncode == 0
+    assert not list((tmp_path / "temporary").iterdir())
 
 
 def test_recording_is_never_overwritten(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -100,3 +101,31 @@ def test_a_certificate_of_what_is_no_number_names_the_table() -> None:
     table[3, 4] = np.nan
     with pytest.raises(InputError, match=r"`table` must be finite numbers, got nan at \[3, 4\]"):
         sp.certify_table(asked, table)
+
+
+def test_rows_that_do_not_come_back_are_played_once() -> None:
+    table = serpenoid_table(reference())
+    with pytest.raises(InputError, match="`cycles` must be 1 with `closed=False`, got 3"):
+        sp.simulate_joint_angles(reference(), table, cycles=3, closed=False)
+    with pytest.raises(InputError, match="`closed` must be True or False, got 'no'"):
+        sp.simulate_joint_angles(reference(), table, closed="no")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"task\.cycles must be 1 with `transient`"):
+        problem("reference", "task.transient=true", "task.cycles=3")
+
+
+@pytest.mark.parametrize("effects", [(), (WEAK,)], ids=["baseline", "extended"])
+def test_angles_that_may_be_degrees_and_chains_that_may_be_millimetres_are_told(
+    effects: tuple[ActiveEffect, ...],
+) -> None:
+    model = replace(reference(), effects=effects)
+    table = serpenoid_table(model)
+    told = r"joint_\d+ reaches [\d.]+ degrees, more than half a turn\. .* were they given in degrees"
+    motion = sp.simulate_joint_angles(model, table)
+    for right in (motion, sp.simulate_vertices(model, motion.vertices)):
+        assert "warning" not in repr(right)
+    realised = sp.simulate_realised(model, np.degrees(table), np.arange(len(table)))
+    for wrong in (sp.simulate_joint_angles(model, np.degrees(table)), realised):
+        assert re.search(f"; warning: {told}", repr(wrong))
+    assert "the chains are 1000 body lengths long" in repr(sp.simulate_vertices(model, 1000 * motion.vertices))
+    found = sp.certify_table(problem("reference"), np.degrees(table))
+    assert re.search(f"body lengths per cycle; warning: {told}", repr(found))

@@ -9,6 +9,7 @@ from scipy.optimize import minimize_scalar
 from oracle import integrator
 from oracle.chain import place, shape_vertices
 from serpenoid.body import Floats
+from serpenoid.errors import InputError
 from serpenoid.model import Model
 from serpenoid.simulation import simulate_batch, simulate_joint_angles, simulate_vertices
 from serpenoid.status import Status
@@ -112,12 +113,13 @@ def test_a_joint_folded_back_on_itself_has_no_tangent_and_is_a_status() -> None:
     assert motion.status in (Status.SOLVED, Status.STEP_UNSOLVED)
 
 
-def test_vertices_that_coincide_are_a_status() -> None:
+def test_vertices_that_coincide_are_refused_and_unknown_ones_are_a_status() -> None:
     model = reference()
     shapes = np.zeros((3, 12, 2))
     shapes[..., 0] = np.linspace(0, 1, 12)
     shapes[1, 5] = shapes[1, 4]
-    assert simulate_vertices(model, shapes).status is Status.BAD_SHAPE
+    with pytest.raises(InputError, match="`vertices` 5 and 6 of row 1 are one point"):
+        simulate_vertices(model, shapes)
     shapes[1, 5] = np.nan
     assert simulate_vertices(model, shapes).status is Status.BAD_SHAPE
 

@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from serpenoid.body import Floats
+from serpenoid.errors import InputError
 from serpenoid.mechanics import functions
 from serpenoid.model import Model
 from serpenoid.simulation import simulate_in_space, simulate_joint_angles
@@ -162,9 +163,10 @@ def test_a_chain_folded_back_on_itself_in_space_is_a_status() -> None:
     assert simulate_in_space(model, shapes).status is Status.STEP_UNSOLVED
 
 
-def test_bad_shapes_in_space_are_a_status_and_no_exception() -> None:
+def test_unknown_points_in_space_are_a_status_and_coinciding_ones_are_refused() -> None:
     model, shapes = uneven(), spatial_shapes(36)
     shapes[3, 2, 1] = np.nan
     assert simulate_in_space(model, shapes).status is Status.BAD_SHAPE
     shapes[3, 2] = shapes[3, 1]
-    assert simulate_in_space(model, shapes).status is Status.BAD_SHAPE
+    with pytest.raises(InputError, match="`vertices` 2 and 3 of row 3 are one point"):
+        simulate_in_space(model, shapes)

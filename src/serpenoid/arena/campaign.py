@@ -18,6 +18,7 @@ from serpenoid.arena.protocol import Protocol
 from serpenoid.arena.trial import Plan, Recording, plans, play, randomness
 from serpenoid.body import Floats
 from serpenoid.errors import InputError, StopRequested
+from serpenoid.files.alone import LOCK
 from serpenoid.files.inputs import read_json
 from serpenoid.files.writing import EARLIER, atomic, short_hash, toml_string, write_json, write_text
 from serpenoid.parallel import Workers, results
@@ -74,7 +75,10 @@ def another(protocol: Protocol, tables: dict[str, Floats], folder: Path) -> str 
         except InputError:
             return f"its {RECEIPT} is damaged, so nothing says what it holds"
         return None if mine else "holds a campaign of another protocol"
-    if folder.exists() and (not folder.is_dir() or any(not path.name.startswith(EARLIER) for path in folder.iterdir())):
+    free = not folder.exists() or (
+        folder.is_dir() and all(p.name.startswith((EARLIER, LOCK)) for p in folder.iterdir())
+    )
+    if not free:
         return "is not empty and not a campaign of the arena"
     return None
 

@@ -1,7 +1,8 @@
 """One folder, one answer: who asks something else of a results folder is refused, or has what is there moved aside.
 
-What was asked stands in request.json: the verb, and a hash of all that its answer depends on. The same command again
-goes on or writes the same answer again; another one needs another --out, or --force.
+What was asked stands in request.json: the verb, and a hash of all that its answer depends on; until the command has
+ended also that it has not. The same command again goes on or writes the same answer again; another one needs another
+--out, or --force.
 """
 
 from __future__ import annotations
@@ -15,11 +16,12 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.errors import InputError
-from serpenoid.files.alone import alone
+from serpenoid.files.alone import LOCK, alone
 from serpenoid.files.inputs import RECORDING_BYTES, read_bytes, read_json
 from serpenoid.files.writing import EARLIER, atomic, clear_unfinished, short_hash, write_json
 
 REQUEST = "request.json"
+AT_WORK = "unfinished"  # its key until the command has ended
 INPUTS = "problem", "problems", "model", "campaign", "reference", "protocol", "diagnosis"  # arguments that are read
 TABLES = "joint_table.csv", "trajectory.csv"  # that somebody may have made by hand, and play from where they are
 # what tells a folder of results from any other
@@ -36,7 +38,7 @@ def claim(args: argparse.Namespace, folder: Path, *key: Any) -> Path:
     _hold(args, folder)
     request = {"verb": args.verb, "request": short_hash(*key)}
     held = [name for name in RECORDS if (folder / name).exists()]
-    if held and _held(folder) != request:
+    if held and _asked(_held(folder)) != request:
         _refuse_inputs(args, folder, held)
         if not getattr(args, "force", False):
             raise InputError(
@@ -69,7 +71,7 @@ def _hold(args: argparse.Namespace, folder: Path) -> None:
     if folder in (mine for mine, _ in getattr(args, "requests", [])):
         return
     said = f"--out {folder}: another serpenoid command is at work on it. Name another folder, or wait for its end."
-    args.held.enter_context(alone("folder", folder, said))
+    args.held.enter_context(alone(folder, said))
 
 
 def place(args: argparse.Namespace, made: Path, folder: Path) -> list[Path]:
@@ -96,7 +98,20 @@ def _alike(one: Path, other: Path) -> bool:
 def sign(args: argparse.Namespace) -> None:
     """Write what was asked, before the answer's first file: who is killed or runs out of disk amid it may go on."""
     for folder, request in getattr(args, "requests", []):
-        write_json(folder / REQUEST, request)
+        write_json(folder / REQUEST, request | {AT_WORK: True})
+
+
+def finish(args: argparse.Namespace) -> None:
+    """Write that what was signed is whole, after the answer's last file."""
+    for folder, request in getattr(args, "requests", []):
+        if is_unfinished(folder):
+            write_json(folder / REQUEST, request)
+
+
+def is_unfinished(folder: Path) -> bool:
+    """Whether the command that writes this folder has not ended, or was ended from outside or by a full disk."""
+    request = _held(folder)
+    return isinstance(request, dict) and request.get(AT_WORK) is True
 
 
 def content_of(*paths: Path) -> list[str]:
@@ -118,6 +133,10 @@ def _held(folder: Path) -> Any:
         return read_json(folder / REQUEST)
     except InputError:
         return None
+
+
+def _asked(request: Any) -> Any:
+    return {k: v for k, v in request.items() if k != AT_WORK} if isinstance(request, dict) else request
 
 
 def _words(folder: Path, held: list[str]) -> str:
@@ -145,7 +164,7 @@ def move_aside(folder: Path, found: Sequence[Path] | None = None) -> None:
     A sweep's solved points stay: each is checked against the problem when it is taken up.
     """
     if found is None:
-        found = [path for path in folder.iterdir() if not path.name.startswith((EARLIER, "chain"))]
+        found = [path for path in folder.iterdir() if not path.name.startswith((EARLIER, "chain", LOCK))]
     place = _aside(folder)
     place.mkdir()
     for path in found:

@@ -133,6 +133,8 @@ def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
         sys.stdout = sys.stderr if unheard and sys.stderr is not None else nowhere
     try:
         code = args.run(args)
+        if code in (0, 1) and getattr(args, "requests", None):
+            importlib.import_module("serpenoid.cli.claim").finish(args)
         sys.stdout.flush()
         return code
     except (KeyboardInterrupt, StopRequested) as error:

@@ -15,7 +15,7 @@ from serpenoid.robot.checks import Refusal, check_start, check_table
 from serpenoid.robot.description import Robot
 from serpenoid.robot.faults import PortLost, RobotFault
 from serpenoid.robot.models import by_number
-from serpenoid.robot.port import exclusive_port, resolve_port
+from serpenoid.robot.port import resolve_port
 from serpenoid.robot.power import record_power
 from serpenoid.robot.prepare import identify, inspect, narrower
 from serpenoid.robot.table import JointTable
@@ -66,14 +66,13 @@ def _scan(args: argparse.Namespace) -> int:
     port = resolve_port(args.port)
     rates = (args.baud_rate,) if args.baud_rate else SCAN_RATES
     total, colliding = 0, False
-    with exclusive_port(port):
-        for rate in rates:
-            try:
-                with open_bus(port, rate, {}) as bus:
-                    found, garbled = _print_found(bus, rate)
-                    total, colliding = total + found, colliding or garbled
-            except RobotFault as fault:
-                warn(fault)
+    for rate in rates:
+        try:
+            with open_bus(port, rate, {}) as bus:
+                found, garbled = _print_found(bus, rate)
+                total, colliding = total + found, colliding or garbled
+        except RobotFault as fault:
+            warn(fault)
     if colliding:
         warn(COLLISION_REMEDY)
     elif not total:
@@ -140,7 +139,7 @@ def _check(args: argparse.Namespace) -> int:
 def _check_live(args: argparse.Namespace, table: JointTable, robot: Robot) -> tuple[list[Refusal], str]:
     """With the servos' own voltage and positions; torque stays as it is."""
     port = resolve_port(args.port)
-    with exclusive_port(port), open_bus(port, robot.bus.baud_rate, robot.by_id) as bus:
+    with open_bus(port, robot.bus.baud_rate, robot.by_id) as bus:
         try:
             refusals = identify(bus, robot)
             if refusals:
@@ -159,7 +158,7 @@ def _check_live(args: argparse.Namespace, table: JointTable, robot: Robot) -> tu
 
 def _off(args: argparse.Namespace) -> int:
     robot, port = load_robot(args), resolve_port(args.port)
-    with exclusive_port(port), open_bus(port, robot.bus.baud_rate, robot.by_id) as bus:
+    with open_bus(port, robot.bus.baud_rate, robot.by_id) as bus:
         try:
             silent = bus.torque_off(robot.ids)
         except RobotFault as fault:
@@ -174,7 +173,7 @@ def _off(args: argparse.Namespace) -> int:
 
 def _reboot(args: argparse.Namespace) -> int:
     robot, port = load_robot(args), resolve_port(args.port)
-    with exclusive_port(port), open_bus(port, robot.bus.baud_rate, robot.by_id) as bus:
+    with open_bus(port, robot.bus.baud_rate, robot.by_id) as bus:
         for servo_id in robot.ids:
             try:
                 bus.reboot(servo_id)

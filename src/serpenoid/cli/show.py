@@ -12,17 +12,22 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import options
-from serpenoid.cli.claim import REQUEST
+from serpenoid.cli.claim import REQUEST, is_unfinished
 from serpenoid.cli.goals import dissipation_name, goal_lines, in_cycles
 from serpenoid.cli.starts import bound_lines, certificate_line, note_lines, starts_lines
 from serpenoid.cli.sweep import beside_lines
 from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
+from serpenoid.files.writing import UNFINISHED
 from serpenoid.media import DEFAULT, LAWS
 from serpenoid.wording import counted
 
 STOPPED = (
     "The command that began it was stopped before it ended: run it again with the same --out. What it kept is not "
     "computed again."
+)
+CUT_SHORT = (
+    "files may be missing, or of an earlier run: the command that writes them has not ended, or was stopped (by hand, "
+    "or by a full disk). Run it again with the same --out."
 )
 
 
@@ -58,7 +63,9 @@ def run(args: argparse.Namespace) -> int:
         raise InputError(
             f"{folder / (name or 'campaign.toml')}: is not a record of this version ({error!r})."
         ) from None
-    pictures = sorted(path.name for path in folder.iterdir() if path.suffix in {".png", ".svg", ".gif"})
+    if is_unfinished(folder):
+        lines = [f"unfinished        {CUT_SHORT}", *lines]
+    pictures = _named(folder, ".png", ".svg", ".gif")
     files = [f"files             {', '.join(_files(folder))}", *_reports(folder), *_pictures(pictures, name)]
     options.report(args, record, [*lines, *files])
     options.open_page(args, folder)
@@ -253,11 +260,16 @@ RECORDS: dict[str, Callable[[Path, dict[str, Any]], list[str]]] = {
 
 
 def _files(folder: Path) -> list[str]:
-    return sorted(p.name for p in folder.iterdir() if p.suffix in {".json", ".csv", ".toml"}) or ["none"]
+    return _named(folder, ".json", ".csv", ".toml") or ["none"]
+
+
+def _named(folder: Path, *endings: str) -> list[str]:
+    """Its files with these endings, but those that a process was writing when it was killed."""
+    return sorted(p.name for p in folder.iterdir() if p.suffix in endings and not p.name.startswith(UNFINISHED))
 
 
 def _reports(folder: Path) -> list[str]:
-    return [f"report            {path}" for path in sorted(folder.glob("*.html"))]
+    return [f"report            {path}" for path in sorted(folder.glob("[!.]*.html"))]
 
 
 def _pictures(names: list[str], record: str | None) -> list[str]:

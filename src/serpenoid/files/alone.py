@@ -1,33 +1,58 @@
-"""One process at a time: a port, a folder of results, a campaign that grows."""
+"""One process at a time changes a folder: a folder of results, a campaign that grows."""
 
 from __future__ import annotations
 
-import hashlib
+import errno
 import os
-import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from filelock import FileLock, Timeout
 
 from serpenoid.errors import InputError
 
+LOCK = ".serpenoid.lock"
+ATTEMPTS = 100  # to lock a folder that others, who hold it in turn, remove as often as they made it in vain
+
 
 @contextmanager
-def alone(kind: str, path: str | Path, refused: str, wait_s: float = 0.0) -> Iterator[None]:
-    """Hold a path of a kind for this process, until it ends at the latest; InputError where another holds it, and does
-    so after `wait_s` [s] still.
+def alone(folder: str | Path, refused: str, wait_s: float = 0.0) -> Iterator[None]:
+    """Hold a folder for this process, until it ends at the latest; InputError where another holds it, and does so
+    after `wait_s` [s] still.
 
-    The lock is a file of the temporary folder, named after the path.
+    The lock is a file in the folder itself: who can write there sees it, from any account, container or computer, by
+    any name of the folder. The system lets go what a killed process held, and the file that it left holds nobody up.
+    The file is removed while it is held: who waited for it notices that what it then has is no longer there, and
+    begins anew. A folder that was not there is made, and removed if it is empty in the end and no other used it
+    meanwhile.
     """
-    name = hashlib.sha256(os.fsencode(os.path.realpath(path))).hexdigest()[:12]
-    lock = FileLock(Path(tempfile.gettempdir()) / f"serpenoid-{kind}-{name}.lock", timeout=wait_s, mode=0o666)
-    try:
-        lock.acquire()
-    except Timeout:
-        raise InputError(refused) from None
+    place = Path(os.path.realpath(folder))
+    made = [path for path in (place, *place.parents) if not path.exists()]
+    lock = _acquired(place, folder, refused, wait_s)
     try:
         yield
     finally:
+        with suppress(OSError):  # a full or lost disk; some systems remove no file that is open
+            (place / LOCK).unlink(missing_ok=True)
         lock.release()
+        with suppress(OSError):  # not empty
+            for path in made:
+                path.rmdir()
+
+
+def _acquired(place: Path, folder: str | Path, refused: str, wait_s: float) -> FileLock:
+    lock = FileLock(place / LOCK, timeout=wait_s, mode=0o666)
+    for attempt in range(ATTEMPTS):
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            lock.acquire()
+            return lock
+        except Timeout:
+            break
+        except OSError as error:
+            removed = error.errno in (errno.ENOENT, errno.ESTALE)  # by one that had made it, here or over the network
+            if not removed or attempt == ATTEMPTS - 1:
+                said = error.strerror or error
+                raise InputError(f"{folder}: {LOCK} cannot be written there ({said}).") from None
+    raise InputError(refused)

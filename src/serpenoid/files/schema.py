@@ -58,6 +58,7 @@ CURES = (
     (re.compile(r"\\"), BACKSLASH),
     (re.compile(r"=\s*[+-]?[0-9]+,[0-9]+\s*(#.*)?$"), "Write a point before decimals."),
     (re.compile("[\u2018-\u201f]"), 'Write straight quotes (").'),
+    (re.compile(r"(^|[\s=\[,+-])\.[0-9]"), "Write a 0 before a point that begins a number."),
 )
 NAME_SIGNS, NAME_LENGTH = " _.,+=()-", 60
 Name = Annotated[str, AfterValidator(plain_name)]
@@ -125,6 +126,7 @@ CLOSE = 3 / 4  # of the letters: one wrong in a word of four
 MEANT = {"file": "path"}  # words for the same thing, too unlike to be found by their letters
 NO_SECTION = ("model_type", "model_attributes_type")  # pydantic's words for something else in a section's place
 TINY = 1e-6  # a bound below it means: more than nothing
+VALUE_BEGINS = ("[", "{", '"', "'")
 MOST_FAULTS, SHOWN = 20, 100  # of one file; characters of a wrong value
 
 
@@ -192,19 +194,31 @@ def override(data: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
             table = table.setdefault(section, {})
             if not isinstance(table, dict):
                 raise InputError(f"--set {assignment}: `{section}` is not a section.")
-        table[last] = _parse_value(text.strip())
+        table[last] = _parse_value(text.strip(), f"--set {_shown(assignment)}")
     return result
 
 
-def _parse_value(text: str) -> Any:
+def _parse_value(text: str, source: str) -> Any:
+    """A value of TOML; a bare word, which is none, is a string, but what begins as a list, a section or a string is no
+    bare word."""
+    line = f"value = {text}"
     try:
-        value = tomllib.loads(f"value = {text}")["value"]
+        data = tomllib.loads(line)
     except RecursionError:
-        raise InputError(f"--set: {text[:40]}... is nested too deeply.") from None
-    except ValueError:
-        return text
-    refuse_depth(value, "--set")
-    return value
+        raise InputError(f"{source}: is nested too deeply.") from None
+    except ValueError as error:
+        if text[:1] not in VALUE_BEGINS:
+            return text
+        said = str(error)
+        raise InputError(f"{source}: not valid TOML: {said.partition(' (at ')[0]}.{_cure(said, line)}") from None
+    if len(data) > 1:
+        raise InputError(f"{source}: holds several assignments. Give each with a --set of its own.")
+    refuse_depth(data["value"], "--set")
+    return data["value"]
+
+
+def _shown(text: str) -> str:
+    return text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
 
 
 def _copy(data: Any) -> Any:
@@ -266,8 +280,7 @@ def _tag_fault(context: dict[str, Any]) -> str:
 
 
 def _short(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
+    return _shown(repr(value))
 
 
 def _suggest(schema: type[BaseModel], location: tuple[Any, ...]) -> str:

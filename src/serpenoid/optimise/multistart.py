@@ -33,7 +33,7 @@ class Optimum:
     count: int
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class MultiStart(Shown):
     """All solutions in the order of their starts; `optima` distinct and certified, best first; kept: how many of the
     solutions an earlier run had found."""

@@ -29,7 +29,7 @@ from serpenoid.trajectory import Trajectory
 WITHIN_LIMITS = 1e-9  # rad
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class OwnCertificate(Shown):
     """How a gait fared. resimulation_error: largest difference of poses (None: none were given); limit_excess: how far
     joint angles or their changes exceed the limits (negative: they do not) [rad]."""
@@ -41,10 +41,11 @@ class OwnCertificate(Shown):
     mesh: MeshStudy
 
     def summary(self) -> str:
-        """Status and displacement; of a gait beyond the problem's limits, by how much."""
+        """Status and displacement; of a gait beyond the problem's limits, by how much; what may be another unit."""
         over = f"joint angles or their changes exceed the problem's limits by {self.limit_excess:.1e} rad"
         said = over if self.status is Status.INFEASIBLE else self.status.value
-        return f"{said}, {self.trajectory.displacement:.6f} body lengths per cycle"
+        went = f"{said}, {self.trajectory.displacement:.6f} body lengths per cycle"
+        return "; ".join([went, *(f"warning: {odd}" for odd in self.trajectory.odd_units)])
 
 
 def certify_table(problem: Problem | str | Path, table: Floats, poses: Floats | None = None) -> OwnCertificate:

@@ -53,7 +53,7 @@ class SelfClear(Clearance):
         return cls(found.least, found.proven, wanted)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Solution(Shown):
     """An optimal gait; `trajectory` is its re-simulation, `table` (R, m) its joint angles [rad].
 

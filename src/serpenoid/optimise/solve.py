@@ -21,7 +21,7 @@ from serpenoid.optimise.starts import inside, random_gaits, within
 from serpenoid.optimise.weights import check_weights
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
-from serpenoid.simulation.callers import gait_of, problem_of, whole
+from serpenoid.simulation.callers import folder_of, gait_of, problem_of, whole
 from serpenoid.trajectory import Trajectory
 
 Progress = Callable[[int, Solution | None], None]
@@ -44,6 +44,7 @@ def solve(
     folder of its own).
     """
     problem, starts, seed = problem_of(problem), whole("starts", starts, 1), whole("seed", seed, 0)
+    folder = folder_of(folder)
     _check_weights(problem, customise)
     solver = solver_of(problem, customise)
     gaits = starts_of(solver, starts, seed)
@@ -78,7 +79,7 @@ def solve_from(problem: Problem | str | Path, gait: Gait, customise: Customise |
         return solve_one(solver, start, problem.task.c, polish=True, flag=flag)[0]
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Improved(Shown):
     """A random gait (q, joint table, motion) and the best gait within a fraction of its own parameters."""
 

@@ -1,15 +1,14 @@
-"""Serial ports: find the robot's, and make sure that one process alone talks to it."""
+"""Serial ports: find the robot's, and say why one cannot be opened."""
 
 from __future__ import annotations
 
+import errno
 import os
-from contextlib import AbstractContextManager
 from pathlib import Path
 
 from serial.tools import list_ports
 
 from serpenoid.errors import InputError
-from serpenoid.files.alone import alone
 
 # USB vendor IDs of the usual adapters: ROBOTIS (OpenRB-150) and FTDI (U2D2)
 KNOWN_VENDORS = {0x2F5D: "ROBOTIS", 0x0403: "FTDI"}
@@ -29,10 +28,20 @@ def resolve_port(name: str) -> str:
     raise InputError(f"--port auto: several adapters are plugged in ({', '.join(found)}). Name one with --port.")
 
 
-def exclusive_port(port: str) -> AbstractContextManager[None]:
-    """Hold the port for this process; raise InputError at once if another serpenoid holds it."""
-    remedy = "Stop the other one (or wait for it): two masters on one bus corrupt each other's packets."
-    return alone("port", port, f"{port}: another serpenoid process is using this port. {remedy}")
+def not_opened(named: str, error: BaseException) -> InputError:
+    """Why the port that `named` says (`--port /dev/ttyACM0`) cannot be opened.
+
+    Ports are opened with the system's own lock of their device (`exclusive` of pyserial), which ends with the process
+    that holds it, whoever that belongs to: nothing is left that could keep `robot off` from the bus.
+    """
+    if getattr(error, "errno", None) == errno.EWOULDBLOCK:
+        return InputError(
+            f"{named}: another program is using this port. Stop it, or wait for its end: two masters on one bus "
+            "corrupt each other's packets."
+        )
+    said = error.args[-1] if error.args else error  # systems and terminals put a number before their words
+    remedy = "Is it the right port, free, and may you use it (Linux: group dialout)?"
+    return InputError(f"{named}: cannot be opened ({said}). {remedy}")
 
 
 def _list_ports() -> str:

@@ -16,7 +16,7 @@ import serial
 
 from serpenoid.errors import InputError
 from serpenoid.robot.log import check_new, open_new
-from serpenoid.robot.port import exclusive_port
+from serpenoid.robot.port import not_opened
 
 HEADER = "t_s,voltage_V,current_A,power_W"
 BAUD_RATE = 115200  # of the sketch's USB serial; USB itself ignores it
@@ -50,13 +50,10 @@ class PowerRecorder:
         self.lost = False
 
     def __enter__(self) -> Self:
-        self._lock = exclusive_port(self._port)
-        self._lock.__enter__()
         try:
             self._serial = serial.Serial(self._port, BAUD_RATE, timeout=0.05, exclusive=True)
         except serial.SerialException as error:
-            self._lock.__exit__(None, None, None)
-            raise InputError(f"--power-port {self._port}: cannot be opened ({error}).") from None
+            raise not_opened(f"--power-port {self._port}", error) from None
         return self
 
     def begin(self) -> None:
@@ -74,7 +71,6 @@ class PowerRecorder:
             with contextlib.suppress(OSError):  # a full disk: `lost` says so
                 self._stream.close()
         self._serial.close()
-        self._lock.__exit__(None, None, None)
 
     def _record(self) -> None:
         pending = b""

@@ -1,4 +1,4 @@
-"""One trial from the locked port to the summary: whatever happens, the last thing sent is torque off."""
+"""One trial from the open port to the summary: whatever happens, the last thing sent is torque off."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from serpenoid.robot.faults import BusFault, RobotFault
 from serpenoid.robot.log import ServoLog
 from serpenoid.robot.plan import Plan
 from serpenoid.robot.player import Player, Progress
-from serpenoid.robot.port import exclusive_port
 from serpenoid.robot.power import PowerRecorder
 from serpenoid.robot.stop import StopWatcher
 from serpenoid.robot.table import write_table
@@ -54,7 +53,6 @@ class Outcome:
 def play_trial(port: str, plan: Plan, files: TrialFiles, progress: Progress) -> Outcome:
     """Play and record; faults and stops are reported in the Outcome, bad input is raised."""
     with ExitStack() as stack:
-        stack.enter_context(exclusive_port(port))
         stack.enter_context(older_objects_left_alone())
         stack.enter_context(before_other_programs())
         log = stack.enter_context(ServoLog(files.folder, plan.robot))

@@ -74,7 +74,8 @@ def add_trial(campaign: Path, new: NewTrial) -> str:
     """Copy the files into the campaign's folder and append the trial; returns its name. A fault changes nothing. What
     is added at the same time is added one after the other."""
     file = campaign / "campaign.toml" if campaign.is_dir() else campaign
-    with alone("campaign", file, f"{campaign}: another process adds trials to it. Wait until it has.", WAIT_S):
+    load_campaign_file(file)  # of what is no campaign no folder is held
+    with alone(file.parent, f"{campaign}: another process adds trials to it. Wait until it has.", WAIT_S):
         return _add_trial(file, new)
 
 

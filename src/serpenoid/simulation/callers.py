@@ -30,6 +30,19 @@ def gait_of(given: Gait) -> Gait:
     return given
 
 
+def folder_of(given: str | Path | None) -> Path | None:
+    """Where results are kept: a folder, or one that can be made; None where they are not."""
+    if given is None:
+        return None
+    if not isinstance(given, str | Path):
+        raise InputError(f"`folder` must be a path, got {_kind(given)}.")
+    folder = Path(given)
+    there = next((path for path in (folder, *folder.parents) if path.exists()), folder)
+    if there.exists() and not there.is_dir():
+        raise InputError(f"`folder` {folder}: {there} is a file, not a folder.")
+    return folder
+
+
 def whole(name: str, given: Any, least: int, remedy: str = "") -> int:
     """A whole number of at least `least`."""
     try:

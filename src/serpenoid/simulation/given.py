@@ -11,6 +11,8 @@ from serpenoid.body import Floats
 from serpenoid.errors import InputError, of_kind
 from serpenoid.model import Model
 
+ODD_LENGTH = 0.1  # of a body length, on the average of all rows: an animal's points bring a few percent
+
 
 def model_of(model: Model) -> Model:
     """The model itself; a problem has one."""
@@ -42,6 +44,29 @@ def finite(name: str, values: Floats) -> Floats:
     return values
 
 
+def apart(name: str, vertices: Floats) -> Floats:
+    """`vertices` (R, N, d), no two neighbours of which are one point; what is no number may be anywhere."""
+    lost = np.argwhere(np.linalg.norm(np.diff(vertices, axis=1), axis=2) == 0)
+    if len(lost):
+        row, vertex = lost[0].tolist()
+        raise InputError(
+            f"`{name}` {vertex + 1} and {vertex + 2} of row {row} are one point: an edge needs a length. Where a point "
+            "is not known, give NaN."
+        )
+    return vertices
+
+
+def odd_lengths(vertices: Floats) -> tuple[str, ...]:
+    """That chains (R, N, d) [body lengths] look to be told in another unit, as a sentence: a body is 1 of them long."""
+    length = float(np.linalg.norm(np.diff(vertices, axis=1), axis=2).sum(1).mean())
+    if abs(length - 1) <= ODD_LENGTH:
+        return ()
+    return (
+        f"the chains are {length:.4g} body lengths long. Vertices are in body lengths, as is what comes of them: "
+        "divide by the body's length, in the unit that they have",
+    )
+
+
 def first_poses(start: Floats | None) -> Floats | None:
     """A first pose (3,), or the first poses (K + 1, 3) of a body that is moving."""
     if start is None:
@@ -60,8 +85,10 @@ def times_of(times: Floats | None, rows: int) -> Floats | None:
     return times
 
 
-def cycles_of(cycles: int) -> int:
-    """How often a gait is played."""
+def cycles_of(cycles: int, closed: bool = True) -> int:
+    """How often a gait is played; rows that are not closed, once."""
+    if not isinstance(closed, bool | np.bool_):
+        raise InputError(f"`closed` must be True or False, got {closed!r}.")
     try:
         count = operator.index(cycles)
     except TypeError:
@@ -70,6 +97,8 @@ def cycles_of(cycles: int) -> int:
         raise InputError(
             f"`cycles` must be a whole number, 1 or more, got {cycles!r}. Cut the table for a part of one?"
         )
+    if count > 1 and not closed:
+        raise InputError(f"`cycles` must be 1 with `closed=False`, got {count}. Such rows are played once.")
     return count
 
 

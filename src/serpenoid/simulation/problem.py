@@ -20,7 +20,7 @@ from serpenoid.table_file import read_table
 from serpenoid.trajectory import Trajectory
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Simulation(Shown):
     """A problem's gait as joint table (T, m) [rad] and its motion over `task.cycles` cycles."""
 
@@ -30,7 +30,8 @@ class Simulation(Shown):
 
     def summary(self) -> str:
         """The problem, and how far it went; limits of its joints that it breaks, angles that may be degrees."""
-        broken = [f"warning: {said}" for said in broken_limits(self.problem, self.table)]
+        told = self.trajectory.odd_units
+        broken = [f"warning: {said}" for said in broken_limits(self.problem, self.table) if said not in told]
         return "; ".join([f"{self.problem.name}: {self.trajectory.summary()}", *broken])
 
 

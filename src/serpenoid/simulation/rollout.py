@@ -11,9 +11,10 @@ import numpy as np
 
 from serpenoid import group
 from serpenoid.body import Floats
+from serpenoid.joint_limits import odd_angles
 from serpenoid.model import Model
 from serpenoid.simulation.extended import solve_extended, solve_independent
-from serpenoid.simulation.given import cycles_of, first_poses, model_of, shaped, times_of
+from serpenoid.simulation.given import apart, cycles_of, first_poses, model_of, odd_lengths, shaped, times_of
 from serpenoid.simulation.poses import body_frame, body_poses
 from serpenoid.simulation.servos import realise, realise_gait
 from serpenoid.simulation.steps import Steps, elements_of_vertices, shape_rows, solve_cycles, solve_steps
@@ -34,14 +35,18 @@ __all__ = [
 def simulate_joint_angles(
     model: Model, table: Floats, cycles: int = 1, start: Floats | None = None, closed: bool = True
 ) -> Trajectory:
-    """Simulate a joint table, shape (T, m) [rad], for whole cycles; `closed=False` plays the rows once, as they are.
+    """Simulate a joint table, shape (T, m) [rad], for whole cycles; `closed=False` plays the rows as they are, once.
 
     `start` is the first pose (x, y, heading), default the origin. Source: Even et al., Alg. 1. Actuation effects turn
     the table into the periodic motion on which the servos settle (not closed: beginning at rest on the first row).
     """
     joints = model_of(model).body.joint_count
-    table, cycles = shaped("table", table, (-1, joints)), cycles_of(cycles)
+    table, cycles = shaped("table", table, (-1, joints)), cycles_of(cycles, closed)
     start = first_poses(start)
+    return replace(_simulate_table(model, table, cycles, start, closed), odd_units=odd_angles(table))
+
+
+def _simulate_table(model: Model, table: Floats, cycles: int, start: Floats | None, closed: bool) -> Trajectory:
     if not _baseline(model) and np.isfinite(table).all():
         return _simulate_extended(model, table, cycles, start, closed)
     rows = np.concatenate([table, table[:1]]) if closed else table
@@ -63,24 +68,26 @@ def simulate_realised(model: Model, joint_angles: Floats, times: Floats, start: 
     if not np.isfinite(angles).all():
         return _failed(Status.BAD_SHAPE, angles.shape[0], model)
     vertices, elements = shape_rows(model, angles)
-    return _assemble(model, vertices, _solve_rows(model, elements, clock, start), 1, start)
+    found = _assemble(model, vertices, _solve_rows(model, elements, clock, start), 1, start)
+    return replace(found, odd_units=odd_angles(angles))
 
 
 def simulate_vertices(
     model: Model, vertices: Floats, start: Floats | None = None, times: Floats | None = None
 ) -> Trajectory:
-    """Simulate shapes given as vertices, shape (R, N, 2) [body lengths], in any frame; only their shape counts.
+    """Simulate shapes given as vertices, shape (R, N, 2) [body lengths], in any frame.
 
     `times` (R,) [s since the start of the motion], for effects that know speed. These shapes are realised ones:
     actuation effects do not act on them. `start` (3,), or the first poses (K + 1, 3) of a body that is moving.
     """
-    shapes = body_frame(model_of(model), shaped("vertices", vertices, (-1, model.body.vertices, 2)))
+    given = apart("vertices", shaped("vertices", vertices, (-1, model_of(model).body.vertices, 2)))
+    shapes = body_frame(model, given)
     times, start = times_of(times, len(shapes)), first_poses(start)
-    lengths = np.linalg.norm(np.diff(shapes, axis=1), axis=2)
-    if not np.isfinite(shapes).all() or (lengths <= 0).any():
+    if not np.isfinite(shapes).all():
         return _failed(Status.BAD_SHAPE, shapes.shape[0], model)
     elements = elements_of_vertices(model, shapes)
-    return _assemble(model, shapes, _solve_rows(model, elements, times, start), 1, start)
+    found = _assemble(model, shapes, _solve_rows(model, elements, times, start), 1, start)
+    return replace(found, odd_units=odd_lengths(given))
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from serpenoid.errors import InputError
 from serpenoid.mechanics import functions
 from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model, Structure
-from serpenoid.simulation.given import model_of, shaped
+from serpenoid.simulation.given import apart, model_of, shaped
 from serpenoid.simulation.newton import TOLERANCE, State, newton
 from serpenoid.status import Status
 
@@ -47,10 +47,10 @@ def simulate_in_space(model: Model, vertices: Floats) -> SpatialTrajectory:
     """Place shapes (R, N, 3) [body lengths] one after the other; the first stays where it is."""
     if model_of(model).medium_effects:
         raise InputError(f"[[effects]] `{model.medium_effects[0].name}` acts on a floor; simulate in the plane.")
-    shapes = shaped("vertices", vertices, (-1, model.body.vertices, 3))
+    shapes = apart("vertices", shaped("vertices", vertices, (-1, model.body.vertices, 3)))
     rows = shapes.shape[0]
     rotations, translations = np.tile(np.eye(3), (rows, 1, 1)), np.zeros((rows, 3))
-    if not np.isfinite(shapes).all() or (np.linalg.norm(np.diff(shapes, axis=1), axis=2) <= 0).any():
+    if not np.isfinite(shapes).all():
         lost = [np.full_like(x, np.nan) for x in (rotations, translations, shapes, np.zeros(rows - 1))]
         return SpatialTrajectory(Status.BAD_SHAPE, lost[0], lost[1], lost[2], lost[3], np.inf)
     if rows == 1:

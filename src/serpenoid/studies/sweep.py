@@ -28,7 +28,8 @@ from serpenoid.optimise.starts import random_gaits
 from serpenoid.optimise.weights import check_weights
 from serpenoid.problem import MOST_C, Problem
 from serpenoid.shown import Shown
-from serpenoid.simulation.callers import problem_of, whole
+from serpenoid.simulation.callers import folder_of, problem_of, whole
+from serpenoid.wording import counted
 
 Progress = Callable[[int, str], None]
 NOT_REACHED = "not reached"
@@ -55,18 +56,21 @@ class SweepPoint:
         return self.solution is None and self.reached
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Sweep(Shown):
-    """Points in increasing c; `complete` is False after Ctrl-C; kept: how many of them an earlier run had solved."""
+    """Points in increasing c; `complete` is False after Ctrl-C; kept: how many of them an earlier run had solved;
+    starts: how many random gaits either end began from."""
 
     problem: Problem
     points: tuple[SweepPoint, ...]
     complete: bool
+    starts: int
     kept: int = 0
 
     def summary(self) -> str:
-        """How many points, and what they span."""
+        """How many points, from how many starts, and what they span."""
         said = f"{self.problem.name}: {len(self.solved)} of {len(self.points)} point(s) solved"
+        said += f" from {counted(self.starts, 'start')}{' (more may find a better optimum)' * (self.starts == 1)}"
         if not self.solved:
             return said
         far = self.displacement
@@ -118,7 +122,7 @@ def sweep(
     With `folder`, solved chain points are kept there and not solved again. `refined`: each optimum is solved again with
     more steps until the error of its displacement is below 0.1 %.
     """
-    problem, ordered = problem_of(problem), _in_order(values)
+    problem, ordered, folder = problem_of(problem), _in_order(values), folder_of(folder)
     check_weights(problem, ordered)
     solver = solver_of(problem)
     gaits = random_gaits(solver, whole("starts", starts, 1), whole("seed", seed, 0))
@@ -143,7 +147,7 @@ def sweep(
                 done += 1
                 progress(done, f"c = {c:g}: refined")
     kept = sum(any(chain[c].kept for chain in found.values() if c in chain) for c in ordered.tolist())
-    return Sweep(problem, tuple(points), complete=not flag, kept=kept)
+    return Sweep(problem, tuple(points), not flag, starts, kept)
 
 
 def _in_order(values: Sequence[float] | Floats) -> Floats:

@@ -26,7 +26,7 @@ from serpenoid.shown import Shown
 Place = str | Path
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Measured(Shown):
     """A campaign as it was recorded: `campaign.trials` with markers, shapes, poses, commands, aligned in time."""
 
@@ -38,7 +38,7 @@ class Measured(Shown):
         return f"{campaign.file.name}: {len(campaign.trials)} trial(s), {campaign.body.vertices} vertices"
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Fitted(Shown):
     """Numbers fitted to a campaign: `calibration.together` to all trials together, `calibration.trials` one by one."""
 
@@ -60,7 +60,7 @@ class Fitted(Shown):
         return "; ".join([said, *best.warnings])
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Compared(Shown):
     """Measured, simulated and resimulated motion: `study.comparisons`, `study.ratios`; where its eps comes from."""
 
@@ -78,7 +78,7 @@ class Compared(Shown):
         return f"{said}, anisotropy ratio {eps:.4g} ({self.origin})"
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Diagnosed(Shown):
     """What the model gets wrong: `diagnosis.verdict`, `diagnosis.named`, `diagnosis.model` (extended)."""
 

@@ -14,7 +14,6 @@ from typing import Any, Self, TypeVar
 
 import dynamixel_sdk as sdk
 
-from serpenoid.errors import InputError
 from serpenoid.robot.bus.collisions import Found, read_ping_answers
 from serpenoid.robot.bus.link import PORT_ERRORS, SerialLink, said
 from serpenoid.robot.bus.readings import (
@@ -27,6 +26,7 @@ from serpenoid.robot.bus.readings import (
 )
 from serpenoid.robot.faults import BusFault, PortLost
 from serpenoid.robot.models import DEFAULT, Block, Register, ServoModel, by_number, models
+from serpenoid.robot.port import not_opened
 
 ALERT_BIT = 0x80
 ATTEMPTS_AT_REST = 6  # nothing moves: a slow answer is worth waiting for
@@ -242,6 +242,4 @@ def open_bus(port_name: str, baud_rate: int, servos: Mapping[int, ServoModel]) -
     try:
         return Bus(port_name, baud_rate, servos)
     except BusFault as fault:
-        cause = said(fault.__cause__ or fault)
-        remedy = "Is it the right port, free, and may you use it (Linux: group dialout)?"
-        raise InputError(f"--port {port_name}: cannot be opened ({cause}). {remedy}") from None
+        raise not_opened(f"--port {port_name}", fault.__cause__ or fault) from None

@@ -30,7 +30,7 @@ def said(error: BaseException) -> str:
 
 
 class SerialLink(PortHandler):
-    """A PortHandler that `bus.py` opens after it holds the port's lock."""
+    """A PortHandler whose port this process has alone."""
 
     def __init__(self, port_name: str) -> None:
         super().__init__(port_name)
@@ -41,11 +41,11 @@ class SerialLink(PortHandler):
         return time.monotonic() * 1000.0
 
     def setupPort(self, cflag_baud: int) -> bool:  # noqa: N802
-        opened = super().setupPort(cflag_baud)
-        self.ser.exclusive = True
-        self.ser.timeout = READ_SLICE_S
-        self.ser.write_timeout = 0.5
-        return opened
+        """Open it. Who comes second is refused before the baud rate is set or a byte is thrown away."""
+        self.ser = serial.Serial(self.port_name, cflag_baud, timeout=READ_SLICE_S, write_timeout=0.5, exclusive=True)
+        self.is_open = True
+        self.tx_time_per_byte = 10 * 1000.0 / cflag_baud  # ten bits [ms]
+        return True
 
     def setPacketTimeout(self, packet_length: int) -> None:  # noqa: N802
         super().setPacketTimeout(packet_length)
