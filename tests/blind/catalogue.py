@@ -134,6 +134,13 @@ def _change(part: str, **values: Callable[[int, Parameters], object]) -> Apply:
     return apply
 
 
+def _gaps(world: World, place: int, p: Parameters) -> World:
+    """A gap in one joint, or in all; gaps behind each other add up."""
+    joints = range(1, world.ground.robot.joints + 1) if place < 0 else (place,)
+    width = world.servos.width | {j: world.servos.width.get(j, 0.0) + p["width"] for j in joints}
+    return replace(world, servos=replace(world.servos, width=width))
+
+
 _ground, _servos, _cameras = (partial(_change, part) for part in ("ground", "servos", "cameras"))
 
 
@@ -146,7 +153,8 @@ CATALOGUE: dict[str, Kind] = {
         ACTUATION, AT_JOINT, _either("offset", 0.002, 0.2), _servos(offset=lambda k, p: {k: p["offset"]})
     ),
     "stuck_joint": Kind(ACTUATION, AT_JOINT, _either("angle", 0.01, 0.35), _servos(stuck=lambda k, p: {k: p["angle"]})),
-    "backlash": Kind(ACTUATION, AT_JOINT, _one("width", 0.003, 0.2), _servos(width=lambda k, p: {k: p["width"]})),
+    "backlash": Kind(ACTUATION, AT_JOINT, _one("width", 0.003, 0.2), _gaps),
+    "servo_play": Kind(ACTUATION, GLOBAL, _one("width", 0.003, 0.1), _gaps),
     "loose_joint": Kind(ACTUATION, AT_JOINT, _one("width", 0.003, 0.2), _servos(loose=lambda k, p: {k: p["width"]})),
     "speed_saturation": Kind(
         ACTUATION, GLOBAL, _one("max_speed", 0.4, 2.0), _servos(max_speed=lambda k, p: p["max_speed"])
@@ -264,6 +272,7 @@ NEWER = (
     ("servo_inertia",),
     ("servo_delay",),
     ("camera_stretch",),
+    ("servo_play",),
 )
 # Powers of a length that a parameter has: drawn for the ten-servo snake, they grow with the robot.
 LENGTHS: dict[str, dict[str, int]] = {

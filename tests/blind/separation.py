@@ -50,6 +50,7 @@ STARTS: dict[str, list[dict[str, float]]] = {
     "zero_offset": [{"offset": 0.0}],
     "stuck_joint": [{"angle": 0.0}],
     "backlash": [{"width": 0.02}, {"width": 0.1}],
+    "servo_play": [{"width": 0.02}, {"width": 0.1}],
     "loose_joint": [{"width": 0.02}, {"width": 0.1}],
     "speed_saturation": [{"max_speed": 0.6}, {"max_speed": 1.0}],
     "lagging_joint": [{"lag": 0.03}],

@@ -45,6 +45,7 @@ SERVOS = (
     Effect("gain_loss", 3, {"loss": 0.15}),
     Effect("stuck_joint", 7, {"angle": 0.2}),
     Effect("backlash", 5, {"width": 0.06}),
+    Effect("servo_play", None, {"width": 0.03}),
     Effect("speed_saturation", None, {"max_speed": 0.6}),
     Effect("lagging_joint", 4, {"lag": 0.08}),
     Effect("slow_joint", 6, {"max_speed": 0.5}),

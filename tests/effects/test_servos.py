@@ -37,6 +37,8 @@ def test_derivatives_are_those_of_the_angles(
 ) -> None:
     if neutral and all(p.neutral is None for p in find(name).parameters):
         return  # a stuck joint is stuck at some angle
+    if neutral and name == "servo_play":
+        return  # a gap that is closed pushes neither way: fits begin with an open one (`starts`)
     active = ActiveEffect.neutral(name, place_of(name)) if neutral else typical(name)
     present = [typical(other) for other in others if other != name]
     model = extended(problem, *present, active)
