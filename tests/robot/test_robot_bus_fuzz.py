@@ -4,7 +4,6 @@ import contextlib
 import random
 from types import SimpleNamespace
 
-import dynamixel_sdk.port_handler
 import numpy as np
 import pytest
 from emulated import gait, make_chain, robot
@@ -75,8 +74,7 @@ def rig(monkeypatch):
     def make(spoil, spoil_question=None):
         chain = make_chain()
         port = MemoryPort(chain, clock, spoil, spoil_question)
-        fake = SimpleNamespace(Serial=lambda **_: port, EIGHTBITS=8)
-        monkeypatch.setattr(dynamixel_sdk.port_handler, "serial", fake)
+        monkeypatch.setattr(link, "serial", SimpleNamespace(Serial=lambda *_, **__: port))
         return Bus("memory", 1000000, robot().by_id), port, chain, clock
 
     return make
