@@ -30,7 +30,8 @@ class Left:
     def trials(self):
         return np.repeat(np.arange(len(self.each)), ROWS)
 
-    def left(self, played):
+    def left(self, played, by):
+        assert by.tolist() == [False, True, True]  # it does not say itself when a trial began
         return np.concatenate(self.each)
 
     def structure_of(self, left, rows=slice(None)):
@@ -68,6 +69,7 @@ def test_how_far_joints_go_is_told_where_that_is_what_they_stray_by(gain):
     found = trials_astray(Left((wave(0.1), wave(0.1), told)), 20 * np.tile(TOLD, (3, 1)), 0)
     assert found is not None
     assert found.words == f"all joints stray in `g2` alone, {gain:.2f} times as far as told"
+    assert found.any_gait == (gain == 0)  # that a joint stands still no gait makes
 
 
 def test_what_grows_from_nothing_is_told_as_growing_though_the_first_trials_follow():

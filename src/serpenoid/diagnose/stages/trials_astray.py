@@ -1,7 +1,8 @@
 """In which trials a joint strays from what is found of it: a law would act in all of them.
 
 It strays in some alone if what those leave is far more than what the others do (`LAW_ERROR`): where all leave about as
-much as noise, it is chance which leave a little more.
+much as noise, it is chance which leave a little more. When a trial began is asked of the other joints: one that does
+something else would move all of them. That it stands still no gait makes, whichever gaits the trials are of.
 
 Legend: R log rows of all trials, T trials, m joints.
 """
@@ -23,7 +24,7 @@ TINY = 1e-12  # rad^2: of joints that are told nothing
 def trials_astray(data: Plays, played: Floats, joint: int) -> Divided | None:
     """The trials in which a joint (0 .. m - 1) does not do what is played (R, m), if it does in others, or does by less
     and less."""
-    left = data.left(played)
+    left = data.left(played, _others(played.shape[1], joint))
     trials = [data.trials == t for t in range(len(data.recordings))]
     squares = np.array([data.structure_of(left, mine) for mine in trials])
     astray = squares > VISIBLE**2
@@ -38,7 +39,19 @@ def trials_astray(data: Plays, played: Floats, joint: int) -> Divided | None:
         return None
     names = [r.name for r in data.recordings]
     changed, others = (tuple(n for n, is_off in zip(names, of, strict=True) if is_off) for of in (mine, ~mine))
-    return Divided(_said(data, played, left, mine, clear, astray), changed, others)
+    words, still = _said(data, played, left, mine, clear, astray), _stands(played, left, mine[data.trials], joint)
+    return Divided(words, changed, others, any_gait=still)
+
+
+def _others(joints: int, joint: int) -> np.ndarray:
+    """All of the joints (m,) but one; itself, where it is the only one."""
+    return np.arange(joints) != joint if joints > 1 else np.ones(1, dtype=bool)
+
+
+def _stands(played: Floats, left: Floats, rows: np.ndarray, joint: int) -> bool:
+    """Whether a joint stands still in these rows (R,) where it is told to move: what it misses is the whole of that."""
+    gains, shares = _gains(played, left, rows)
+    return bool(abs(gains[joint]) < LAW_ERROR**2 and shares[joint] > 1 - LAW_ERROR**2)
 
 
 def _said(data: Plays, played: Floats, left: Floats, mine: np.ndarray, clear: np.ndarray, astray: np.ndarray) -> str:
