@@ -3,7 +3,7 @@ chance."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
@@ -30,8 +30,10 @@ class Left:
     def trials(self):
         return np.repeat(np.arange(len(self.each)), ROWS)
 
-    def left(self, played, by):
-        assert by.tolist() == [False, True, True]  # it does not say itself when a trial began
+    moved_by: list = field(default_factory=list)  # which joints said when trials began
+
+    def left(self, played, by=True):
+        self.moved_by.append(by)
         return np.concatenate(self.each)
 
     def structure_of(self, left, rows=slice(None)):
@@ -83,3 +85,13 @@ def test_what_grows_from_nothing_is_told_as_growing_though_the_first_trials_foll
     found = trials_astray(Left(one), 20 * np.tile(TOLD, (4, 1)), 0)
     assert found is not None
     assert found.words.startswith("joint 1 moves less from trial to trial: 1.00 times as far as told in `g0-1`, 0.70")
+
+
+def test_joints_that_stray_do_not_say_when_their_trials_began():
+    for strays, by in (([4.0, 0.3, 0.3], [False, True, True]), ([4.0, 4.0, 0.3], [False, False, True])):
+        data = Left((wave(0.1), wave(0.1), wave(1.0) * np.array(strays)))
+        assert trials_astray(data, np.tile(TOLD, (3, 1)), 0) is not None
+        assert np.asarray(data.moved_by[-1]).tolist() == by
+    data = Left((wave(0.1), wave(0.1), wave(4.0)))  # all alike
+    trials_astray(data, np.tile(TOLD, (3, 1)), 0)
+    assert data.moved_by[-1] is True

@@ -1,13 +1,15 @@
 """In which trials a joint strays from what is found of it: a law would act in all of them.
 
 It strays in some alone if what those leave is far more than what the others do (`LAW_ERROR`): where all leave about as
-much as noise, it is chance which leave a little more. When a trial began is asked of the other joints: one that does
-something else would move all of them. That it stands still no gait makes, whichever gaits the trials are of.
+much as noise, it is chance which leave a little more. When a trial began is asked of joints that stray far less: one
+that does something else would move all of them. That it stands still no gait makes, whichever gaits the trials are of.
 
 Legend: R log rows of all trials, T trials, m joints.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -24,9 +26,12 @@ TINY = 1e-12  # rad^2: of joints that are told nothing
 def trials_astray(data: Plays, played: Floats, joint: int) -> Divided | None:
     """The trials in which a joint (0 .. m - 1) does not do what is played (R, m), if it does in others, or does by less
     and less."""
-    left = data.left(played, _others(played.shape[1], joint))
     trials = [data.trials == t for t in range(len(data.recordings))]
-    squares = np.array([data.structure_of(left, mine) for mine in trials])
+    squares = _squares(data, data.left(played), trials)
+    strays = np.where(squares[:, [joint]] > VISIBLE**2, squares, 0.0).sum(axis=0)
+    steady = strays < LAW_ERROR**2 * strays[joint]
+    left = data.left(played, steady if steady.any() else True)
+    squares = _squares(data, left, trials)
     astray = squares > VISIBLE**2
     mine = astray[:, joint]
     if not mine.any():
@@ -43,9 +48,9 @@ def trials_astray(data: Plays, played: Floats, joint: int) -> Divided | None:
     return Divided(words, changed, others, any_gait=still)
 
 
-def _others(joints: int, joint: int) -> np.ndarray:
-    """All of the joints (m,) but one; itself, where it is the only one."""
-    return np.arange(joints) != joint if joints > 1 else np.ones(1, dtype=bool)
+def _squares(data: Plays, left: Floats, trials: Sequence[np.ndarray]) -> Floats:
+    """What each trial leaves of each joint (T, m), in units of noise."""
+    return np.array([data.structure_of(left, mine) for mine in trials])
 
 
 def _stands(played: Floats, left: Floats, rows: np.ndarray, joint: int) -> bool:
