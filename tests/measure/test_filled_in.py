@@ -57,6 +57,41 @@ def test_points_on_straight_lines_are_hidden_and_no_others(points: int, noise: f
     assert f"in {(~kept).sum()} of {FRAMES} frames all" in said
 
 
+@pytest.mark.parametrize("scale", [2.5e-5, 0.2137, 0.7333e-3])
+@pytest.mark.parametrize("noise", [0.2, 0.6, 2.0])
+def test_pixels_of_any_size_fill_in_nothing(scale: float, noise: float) -> None:
+    """Numbers on a grid that is no decimal one: second differences are zero by chance."""
+    for seed, (points, size) in enumerate(((5, 120.0), (13, 400.0), (20, 900.0))):
+        pixels = np.round(size * crawl(points, noise / size, seed))
+        for told in (scale * pixels, (scale * pixels).astype(np.float32).astype(float), np.round(scale * pixels, 6)):
+            assert without_filled_in(tracks(told))[1] == ""
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.1])
+def test_a_body_that_starts_and_stops_is_on_no_lines(noise: float) -> None:
+    """It is between two kinks, and bends by less than the file's steps from frame to frame."""
+    for seed, per_second in ((0, 30.0), (1, 100.0), (2, 1000.0)):
+        clock = np.concatenate([np.repeat(t, 25) if t % 3 else np.arange(25) + 25 * t for t in range(12)])
+        points = 500 * crawl(9, 0.0, seed, per_second)[np.minimum(clock, FRAMES - 1)]
+        points += np.random.default_rng(seed).normal(0, noise, points.shape)
+        for told in (np.round(points), np.round(points, 2), points):
+            assert without_filled_in(tracks(told))[1] == ""
+
+
+@pytest.mark.parametrize(("per_second", "jitter"), [(30.0, 0.0), (24.0, 0.0), (240.0, 0.0), (30.0, 0.1)])
+def test_times_may_be_rounded_or_uneven(per_second: float, jitter: float) -> None:
+    """jitter: SD of frames' times over the time between them, by which points are filled in, too."""
+    stamps = np.arange(FRAMES) / per_second
+    stamps += np.random.default_rng(0).uniform(-jitter, jitter, FRAMES) / per_second
+    points, made = crawl(9, 1e-3), np.zeros((FRAMES, 9), dtype=bool)
+    for first, last in ((40, 60), (100, 109), (200, 240)):
+        share = (stamps[first : last + 1] - stamps[first - 1]) / (stamps[last + 1] - stamps[first - 1])
+        points[first : last + 1] = points[first - 1] + share[:, None, None] * (points[last + 1] - points[first - 1])
+        made[first : last + 1] = True
+    told, _ = without_filled_in(tracks(np.round(points, 7), stamps if jitter else np.round(stamps, 3)))
+    assert len(told.time_s) == (~made.all(axis=1)).sum()
+
+
 def test_single_precision_and_pixels_are_read_alike() -> None:
     written, made = filled(1000 * crawl(9, 1e-3), GAPS)
     single = written.astype(np.float32).astype(float)

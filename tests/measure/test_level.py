@@ -67,13 +67,24 @@ def test_a_level_floor_stays_as_it_is(seed: int) -> None:
         assert levelled(tracks, up) == (tracks, "")
 
 
-def test_a_body_that_lifts_its_parts_in_turn_is_on_no_slope() -> None:
-    """Heights that go with the beat and not with the place: a sidewinder's."""
-    places = motion(10, 0)
-    tracks, _ = seen(places, 0.0, 0.0, "z", 1e-3, 0.0, 0)
+@pytest.mark.parametrize("phase", [0.0, 0.125, 0.25, 0.5])
+def test_a_body_that_lifts_its_parts_in_turn_is_on_no_slope(phase: float) -> None:
+    """Heights that go with the beat, and with the way to the side that it makes."""
+    for high in (0.01, 0.05):
+        tracks, _ = seen(motion(10, 0), 0.0, 0.0, "z", 1e-3, 0.0, 0)
+        assert tracks.space is not None
+        beat = np.linspace(0, 6, FRAMES)[:, None] - np.linspace(0, 0.5, 10) - phase
+        tracks.space[..., 2] += high * np.maximum(np.sin(2 * np.pi * beat), 0)
+        assert levelled(tracks, "z") == (tracks, "")
+
+
+def test_a_step_is_no_slope() -> None:
+    places = motion(8, 3)
+    tracks, _ = seen(places, 0.0, 0.0, "z", 5e-4, 0.02, 3)
     assert tracks.space is not None
-    time = np.linspace(0, 6, FRAMES)[:, None]
-    tracks.space[..., 2] += 0.03 * np.maximum(np.cos(2 * np.pi * (time - np.linspace(0, 0.5, 10))), 0)
+    about = places - places.mean(axis=(0, 1))
+    along = about @ np.linalg.svd(about.reshape(-1, 2), full_matrices=False)[2][0]
+    tracks.space[..., 2] += 0.05 / (1 + np.exp(-along / 0.02))
     assert levelled(tracks, "z") == (tracks, "")
 
 

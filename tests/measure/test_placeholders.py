@@ -65,6 +65,13 @@ def test_markers_that_are_at_one_point_together_where_a_film_begins_or_ends_are_
     assert (np.isnan(without_placeholders(tracks(points))[0].floor[..., 0]) == gone).all()
 
 
+@pytest.mark.parametrize("rows", [slice(0, 12), slice(FRAMES - 20, FRAMES)])
+def test_a_marker_that_stands_where_a_film_begins_or_ends_while_others_move_is_hidden(rows: slice) -> None:
+    points = crawl(1e-3)
+    points[rows, 4] = -1.0
+    assert np.isnan(without_placeholders(tracks(points))[0].floor[..., 0]).sum() == len(points[rows])
+
+
 def test_a_point_that_rests_in_the_origin_or_passes_through_it_was_seen() -> None:
     begins = crawl(0.0)
     rests = np.concatenate([np.repeat(begins[:1], 60, axis=0), begins])

@@ -152,6 +152,15 @@ def test_a_point_that_is_astray_where_a_film_begins_or_ends_is_left_out(size, fr
         assert np.sqrt(np.mean((motion.smooth_poses[known, :2] - poses[known, :2]) ** 2)) < SD
 
 
+@pytest.mark.parametrize(("rows", "frame"), [(slice(0, 1), 1), (slice(FRAMES - 1, FRAMES), FRAMES - 1)])
+def test_a_body_that_is_elsewhere_in_the_first_or_last_frame_alone_jumps(rows, frame):
+    body, _, _, points = crawling()
+    markers = seen(points, 0.0, 5)
+    markers[rows] += np.array([0.5, 0.3])
+    motion, _, _ = build_motion(body, TIME, markers, None, ((), ()))
+    assert [(jump.frame, jump.vertex) for jump in motion.jumps] == [(frame, None)]
+
+
 def test_a_body_that_jumps_as_a_whole_still_jumps():
     body, _, _, points = crawling()
     markers = seen(points, 0.03, 5)

@@ -5,7 +5,8 @@ down the slope is shorter by the cosine. Heights of markers tell,
 
     z(f, k) = h_k + a x(f, k) + b y(f, k) + e        h_k: how high marker k is put
 
-by least squares. How unsure the slopes a, b are, blocks of successive frames say: what e lasts for counts once. A
+by least squares, if that is nearly all that heights do: parts that a body lifts as it bends go with the place, too. How
+unsure the slopes a, b are, blocks of successive frames say: what e lasts for counts once. A
 direction in which they are beyond chance is turned into the plane, another is left as it is. To turn for nothing costs
 half the square of the angle of a length.
 
@@ -24,6 +25,7 @@ from serpenoid.measure.tracks import Tracks, floor_plane, heights
 BLOCKS = 10
 SURE = 5.0  # standard errors, which ten blocks know by a fifth: 7 of 10,000 are beyond by chance (Student's t)
 ROUNDED = 1e-9  # of a coordinate: what moves by less is the last digits of a number
+ALL_BUT = 0.02  # of what heights vary by is left beyond noise: more is no plane
 FLAT = 0.01  # rad: lengths change by 5e-5, less than a ruler shows
 
 
@@ -65,6 +67,10 @@ def _slopes(flat: Floats, height: Floats) -> Floats:
     if abs(axes[2, 0]) <= np.sqrt(0.5) or sizes[1] <= sizes[0] or not moves:
         return np.zeros(2)
     found = np.linalg.solve(whole[:2, :2], whole[:2, 2])
+    left = height - flat @ found
+    noise = float(np.nanmean(np.diff(left, n=2, axis=0) ** 2)) / 6 if len(left) > 2 else 0.0
+    if whole[2, 2] - found @ whole[:2, 2] - noise * seen.sum() > ALL_BUT * whole[2, 2]:
+        return np.zeros(2)
     off = blocks[:, :2, 2] - blocks[:, :2, :2] @ found  # what each block's heights are off, summed by place
     away = np.linalg.solve(whole[:2, :2], off.T)  # (2, blocks)
     variance, directions = np.linalg.eigh(away @ away.T)

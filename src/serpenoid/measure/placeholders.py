@@ -4,8 +4,8 @@ A body may pass through a point, rest or begin there; it does not leap there and
 where the marker comes from farther away, and goes farther away, than FAR of its own longest usual step between frames.
 Where that happens more than once in a recording at one exact point, or for LONG frames, all that is at it is hidden; at
 another point than (0, 0) if most visits are such: markers that are exchanged leap to where another one rests. Where a
-film begins or ends at one, nothing tells from where the marker came: there it is (0, 0), or a point at which several
-markers are at once, which those of a body are not.
+film begins or ends at one, nothing tells from where the marker came: there it is (0, 0), a point at which several
+markers are at once, which those of a body are not, or one at which it stands for LONG frames while most others move.
 
 Legend: F frames, M markers.
 """
@@ -37,7 +37,7 @@ def without_placeholders(tracks: Tracks) -> tuple[Tracks, str]:
         leaps = [
             last - first
             for k in np.flatnonzero(there.any(axis=0)).tolist()
-            for first, last in _leaps(tracks.floor[:, k], there, k, place)
+            for first, last in _leaps(tracks.floor, there, k, place)
             if not _exchanged(tracks.floor, k, first, last)
         ]
         visits = sum(len(stretches(column)) for column in there.T)
@@ -66,22 +66,34 @@ def _entered(floor: Floats) -> Iterator[Floats]:
             yield np.array([places[i].real, places[i].imag])
 
 
-def _leaps(path: Floats, all_there: NDArray[np.bool_], k: int, place: Floats) -> list[tuple[int, int]]:
-    """Stretches of frames in which marker k (F, 2) is at a place, as others (F, M) may be, and was not on its way
-    there."""
-    there = all_there[:, k]
+def _leaps(floor: Floats, all_there: NDArray[np.bool_], k: int, place: Floats) -> list[tuple[int, int]]:
+    """Stretches of frames in which marker k of all (F, M, 2) is at a place, as others (F, M) may be, and was not on its
+    way there."""
+    path, there = floor[:, k], all_there[:, k]
     seen = np.flatnonzero(np.isfinite(path[:, 0]) & ~there)
     if not there.any() or not len(seen):
         return []
-    shared = all_there.sum(axis=1) > 1
     steps = np.linalg.norm(np.diff(path[seen], axis=0), axis=1) / np.diff(seen)  # a frame
     moving = steps[steps > 0]
     longest = FAR * float(np.quantile(moving, USUAL)) if len(moving) else 0.0
+
+    def surely(first: int, last: int) -> bool:
+        shared = all_there[first:last].sum(axis=1).max() > 1
+        alone = last - first >= LONG and _others_move(np.delete(floor[first:last], k, axis=1))
+        return bool(not place.any() or shared or alone)
+
     return [
         (first, last)
         for first, last in stretches(there)
-        if _away(path - place, seen, first, last, not place.any() or bool(shared[first:last].any())) > longest
+        if _away(path - place, seen, first, last, surely(first, last)) > longest
     ]
+
+
+def _others_move(points: Floats) -> bool:
+    """Whether most of other markers (F, M, 2) that are seen are elsewhere from frame to frame, mostly."""
+    changes = np.linalg.norm(np.diff(points, axis=0), axis=2)
+    seen = np.isfinite(changes)
+    return bool((changes[seen] > 0).sum() > seen.sum() / 2)
 
 
 def _exchanged(floor: Floats, k: int, first: int, last: int) -> bool:

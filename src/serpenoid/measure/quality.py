@@ -103,7 +103,7 @@ def _body_jumps(poses: Floats, time_s: Floats, variance: Floats | None = None) -
 
 
 def _running_median(values: Floats, width: int) -> Floats:
-    padded = np.pad(values, width // 2, mode="edge")
+    padded = np.pad(values, width // 2, mode="reflect")  # a leap at an end is there once, as amid the film
     return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, width), axis=1))
 
 
