@@ -12,6 +12,8 @@ from serpenoid.measure.cells import Floats
 SHORT_GAP_S = 0.1  # a body moves little in this time; longer gaps split the track
 ONE_MISSING = 2.5  # times the usual way from frame to frame: less is one frame, whose time stamps are uneven
 JUMP_SIGMA = 8.0  # robust standard deviations: no jump in a million frames of clean data
+RUN = 7  # steps, about each
+TINY = 1e-300
 SMALLEST_JUMP = 0.004  # body lengths: a third of a centimetre on a metre; smaller ones drown in marker noise anyway
 
 
@@ -94,17 +96,30 @@ def _body_jumps(poses: Floats, time_s: Floats, variance: Floats | None = None) -
         return []
     spacing = np.diff(time_s[known])
     step = np.diff(poses[known, :2], axis=0) / spacing[:, None] * np.median(spacing)
-    smooth = np.stack([_running_median(column, 7) for column in step.T], axis=1)
-    odd = np.linalg.norm(step - smooth, axis=1)
+    odd = _off_the_run(step)
     limit = max(SMALLEST_JUMP, JUMP_SIGMA * 1.4826 * float(np.median(odd)))
     vague = np.zeros(len(odd)) if variance is None else JUMP_SIGMA * np.sqrt(variance[known][1:] + variance[known][:-1])
     jumps = np.flatnonzero(odd > np.maximum(limit, vague))
     return [Jump(int(known[i + 1]), float(time_s[known[i + 1]]), None, float(odd[i])) for i in jumps]
 
 
-def _running_median(values: Floats, width: int) -> Floats:
-    padded = np.pad(values, width // 2, mode="reflect")  # a leap at an end is there once, as amid the film
-    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, width), axis=1))
+def _off_the_run(steps: Floats) -> Floats:
+    """How far each step (S, 2) is from the median of the RUN about it. Where the record begins and ends, from the line
+    through the nearest medians, in units of how far as many steps amid it are from theirs: a leap there is one step,
+    and a motion that is smooth is none."""
+    if len(steps) < RUN:
+        return np.asarray(np.linalg.norm(steps - np.median(steps, axis=0), axis=1))
+    half, whole = RUN // 2, np.median(np.lib.stride_tricks.sliding_window_view(steps, RUN, axis=0), axis=2)
+    odd = np.zeros(len(steps))
+    odd[half : half + len(whole)] = np.linalg.norm(steps[half : half + len(whole)] - whole, axis=1)
+    usual, far = float(np.median(odd[half : half + len(whole)])), min(half, len(whole) - 1)
+    for values, medians, ends in ((steps, whole, odd), (steps[::-1], whole[::-1], odd[::-1])):
+        nearest, farther = medians[: len(medians) - far], medians[far:]
+        for j in range(1, half + 1):
+            line = nearest + (nearest - farther) * (j / max(far, 1))
+            off = np.linalg.norm(values[half - j : half - j + len(line)] - line, axis=1)
+            ends[half - j] = off[0] * min(1.0, usual / max(float(np.median(off)), TINY))
+    return odd
 
 
 def misfit_limit(marker_sd: float) -> float:
