@@ -88,6 +88,13 @@ def test_a_step_is_no_slope() -> None:
     assert levelled(tracks, "z") == (tracks, "")
 
 
+def test_a_plane_between_all_axes_is_levelled_too() -> None:
+    tracks, _ = seen(motion(8, 2), np.radians(50.0), np.pi / 4, "z", 1e-4, 0.0, 2)
+    found, said = levelled(tracks, "z")
+    assert "tilted by 50.0 degrees" in said
+    np.testing.assert_allclose(lengths(found.floor), lengths(motion(8, 2)), rtol=0.01)
+
+
 def test_another_axis_that_is_up_and_a_body_that_shows_no_plane_are_left_alone() -> None:
     tracks, _ = seen(motion(8, 1), 0.1, 0.5, "z", 1e-3, 0.0, 1)
     assert levelled(tracks, "y")[1] == levelled(tracks, "x")[1] == ""

@@ -29,7 +29,7 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.quality import stretches
 from serpenoid.measure.tracks import Tracks
 
-FALSE = 0.01  # of the points that are hidden: stated
+FALSE = 0.03  # of the points that are hidden: stated
 LONGEST = 32  # frames: a stretch that needs more to stand out is not told from a slow motion
 SINGLE = float(np.finfo(np.float32).eps)
 SAME = 1e-9  # of the largest number: values that differ by less are one that was scaled

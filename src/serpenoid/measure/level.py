@@ -23,6 +23,7 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.tracks import Tracks, floor_plane, heights
 
 BLOCKS = 10
+UP = 2  # of the axes along the floor and up
 SURE = 5.0  # standard errors, which ten blocks know by a fifth: 7 of 10,000 are beyond by chance (Student's t)
 ROUNDED = 1e-9  # of a coordinate: what moves by less is the last digits of a number
 ALL_BUT = 0.02  # of what heights vary by is left beyond noise: more is no plane
@@ -64,7 +65,7 @@ def _slopes(flat: Floats, height: Floats) -> Floats:
     whole = blocks.sum(axis=0)
     sizes, axes = np.linalg.eigh(whole)
     moves = sizes[1] / seen.sum() > (np.nanmax(np.abs(flat)) * ROUNDED) ** 2
-    if abs(axes[2, 0]) <= np.sqrt(0.5) or sizes[1] <= sizes[0] or not moves:
+    if np.abs(axes[:, 0]).argmax() != UP or sizes[1] <= sizes[0] or not moves:
         return np.zeros(2)
     found = np.linalg.solve(whole[:2, :2], whole[:2, 2])
     left = height - flat @ found
