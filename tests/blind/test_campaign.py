@@ -113,7 +113,7 @@ def test_every_outside_cause_changes_the_motion(name: str, null: Campaign) -> No
 
 def test_names_and_places_are_drawn_uniformly() -> None:
     rng = np.random.default_rng(0)
-    drawn = [draw(rng, 1)[0] for _ in range(3200)]
+    drawn = [draw(rng, 1)[0] for _ in range(100 * len(ON_WHEELS))]
     counts = np.array([sum(e.name == n for e in drawn) for n in ON_WHEELS])
     assert counts.min() > 60  # expected 100, standard deviation 10
     assert {e.place for e in drawn if e.name == "load"} == set(range(12))
