@@ -312,3 +312,9 @@ def test_a_simulation_that_failed_is_written_with_its_reason_and_no_numbers(tmp_
 def test_what_is_no_path_of_a_campaign_is_refused_in_words(verb: Callable[..., object], given: object) -> None:
     with pytest.raises(InputError, match=f"`campaign` must be the path of a campaign's folder.*{type(given).__name__}"):
         verb(given)
+
+
+def test_equal_searches_are_equal_whatever_time_they_took() -> None:
+    one, other = (sp.solve(PROBLEM, starts=1, seed=0) for _ in range(2))
+    assert one == other
+    assert one != sp.solve(sp.load(PROBLEMS / "reference-optimum.toml", set=[*SMALL, "task.c=0.7"]), starts=1, seed=0)

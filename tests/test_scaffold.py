@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 from serpenoid.cli.main import main
+from serpenoid.files.alone import alone
 from serpenoid.files.schema import load as load_file
 from serpenoid.measure.campaign import load_campaign_file, read_motion
 from serpenoid.measure.columns import SECONDS
@@ -722,3 +723,14 @@ def test_a_campaign_of_a_smooth_body_fits_its_drag_where_the_problem_has_it(tmp_
     assert len(motion.never_seen) == body.vertices - 8
     angle = np.abs(motion.smooth_angles).max()
     assert angle == pytest.approx(np.abs(read_table(folder / "example" / "joint_table.csv")).max(), abs=0.01)
+
+
+def test_two_that_write_into_one_folder_at_once_are_not_mixed(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    folder, problem = tmp_path / "c", Path(__file__).parents[1] / "problems" / "purcell-stroke.toml"
+    words = ["new", "campaign", str(folder), "--problem", str(problem), "--yes"]
+    with alone(folder, "held"):
+        assert main(words) == 2
+    assert "another serpenoid command writes in its folder" in capsys.readouterr().err
+    assert not folder.exists()
+    assert main(words) == 0
+    assert not (folder / ".serpenoid.lock").exists()

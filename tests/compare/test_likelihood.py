@@ -213,7 +213,8 @@ def test_where_trials_differ_by_chance_their_spread_says_nothing():
 
 
 def test_a_single_trial_has_no_spread():
-    assert np.isnan(estimate(snake(), of_trials([1.0]), ONLY_EPS).spread_half).all()
+    for names in (ONLY_EPS, (*ONLY_EPS, "end_weight")):
+        assert np.isnan(estimate(snake(), of_trials([1.0]), names).spread_half).all()
 
 
 def test_unknown_and_repeated_names_are_refused():

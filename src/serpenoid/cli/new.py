@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import options
 from serpenoid.errors import InputError
+from serpenoid.files.alone import alone
 from serpenoid.wording import counted
 
 if TYPE_CHECKING:
@@ -78,7 +79,10 @@ def run(args: argparse.Namespace) -> int:
         answers[question.name] = question.value(default if given is None else given)
         if wanted and default:
             assumed[f"--{question.name} {default}"] = question.key
-    first = template.write(path, answers)
+    with alone(path.parent, f"{path}: another serpenoid command writes in its folder. Wait for its end."):
+        if path.exists():  # of one that was as quick
+            raise InputError(f"{path}: is there already. Name another file.")
+        first = template.write(path, answers)
     written = path.read_text(encoding="utf-8")
     told = [option for option, key in assumed.items() if f"\n{key}" in written]
     unsaid = [f"Assumed, as nobody said: {', '.join(told)}."] if told else []

@@ -204,9 +204,12 @@ def _in_use_lines(_folder: Path, record: dict[str, Any]) -> list[str]:
     return lines(record)
 
 
+OFF = "serpenoid robot off --robot FILE --port PORT"
+
+
 def _play_lines(folder: Path, record: dict[str, Any]) -> list[str]:
     played = f"{record['cycles']} cycle(s) of {record['cycle_duration_s']:g} s, pauses of {record['pause_s']:g} s"
-    off = "torque is off on every servo" if record["torque_off"] else "TORQUE MAY STILL BE ON: serpenoid robot off"
+    off = "torque is off on every servo" if record["torque_off"] else f"TORQUE MAY STILL BE ON: {OFF}"
     return [
         f"played on {record['robot']}: {record['status']} ({record['reason']})",
         played,

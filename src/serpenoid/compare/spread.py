@@ -26,6 +26,8 @@ LEVEL = 0.95  # of intervals, and so of the question whether there is a spread a
 def spread_half(solution: Solution, trials: Sequence[str]) -> Floats:
     """Half of a 95 % interval (P,) by the spread of the trials (one name a segment); NaN where that is chance."""
     names = list(dict.fromkeys(trials))
+    if len(names) < 2:
+        return np.full(len(solution.covariance), np.nan)
     parts = [[w for w, name in zip(solution.segments, trials, strict=True) if name == own] for own in names]
     slopes = [np.concatenate([w.by_parameters.reshape(w.defect.size, -1) for w in part]) for part in parts]
     scores = np.array([j.T @ np.concatenate([w.defect.ravel() for w in p]) for p, j in zip(parts, slopes, strict=True)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import casadi as ca
@@ -103,7 +103,7 @@ class Outcome:
     objective: float
     residuals: Residuals
     iterations: int
-    timing: dict[str, float]
+    timing: dict[str, float] = field(compare=False)
 
 
 class NLP(Protocol):

@@ -8,7 +8,7 @@ mesh that fails, or is stopped, does not take the place of one that converged.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -44,7 +44,7 @@ class Refined:
 
     solution: Solution
     failed: Solution | None = None
-    seconds: float = 0.0
+    seconds: float = field(default=0.0, compare=False)
     stopped: bool = False
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class Answer:
     outcome: Outcome
     q: Floats
     iterations: int
-    seconds: float
+    seconds: float = field(compare=False)
     carried: Carried
     clearance: Clearance | None = None
     kept: bool = False
