@@ -80,8 +80,7 @@ def test_peristalsis_is_explained_by_nothing_that_bends(larva: Path, tmp_path: P
     assert not found["effects"]
     gain = found["gain"]["path_rms_m"]
     assert gain["after"] > 0.8 * gain["before"]  # several laws, none of them a name, predict a little of it
-    low, high = found["drag_ratio"]["interval"]
-    assert low <= found["drag_ratio"]["value"] <= high
+    assert found["drag_ratio"]["value"] is None  # it hardly bends: its interval is all that eps can be
 
 
 def test_a_larva_whose_points_run_into_each_other_is_refused_by_that(

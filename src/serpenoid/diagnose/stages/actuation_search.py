@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -80,14 +80,14 @@ def one_more(
     return chosen[index], grown[index]
 
 
-def of_all_anew(best: Played) -> Played:
+def of_all_anew(best: Played, barred: Collection[str] = ()) -> Played:
     """With the laws of all servos that do it for least, as long as others do it for less: one law may stand for several
     of as many numbers together and leave too little to be seen. One number more is asked for where more than chance is
     left. A name more is to gain as much as the best of all candidates does by chance, as in every step of the search:
-    two laws of one number each are less likely together than one law of two."""
+    two laws of one number each are less likely together than one law of two. barred: names that are not tried."""
     name = gained_by_chance(sum(len(places_of(kind, best.data)) for kind in shown(best.data)))
     while True:
-        sets = _others_of_all(best)
+        sets = [s for s in _others_of_all(best) if not {*s} & {*barred}]
         grown = [Played(best.data, e) for e in in_processes([(with_laws, (best.data, best.effects, s)) for s in sets])]
         more = [name * (g.size - best.size) for g in grown]
         found = cheapest(best.priced, [g.priced for g in grown], len(grown), more)

@@ -85,7 +85,7 @@ def _chosen(data: Plays) -> tuple[Stage, Played]:
         if new.place is None and not best.followed:  # before what it leaves looks like faults of joints
             best = of_all_anew(best)
     best = each_its_own(of_all_anew(Played(data, refined(data, best.effects))))
-    best = earned(best, bare, _each_without, lambda found: needed(data, found.effects))
+    best = _exchanged(_earned(best, bare), best, bare)
     earlier = best
     best, refused = lawful(best, lambda found: list(found.effects), _law_error, _without)
     squares = data.structure(best.angles)
@@ -105,6 +105,21 @@ def _chosen(data: Plays) -> tuple[Stage, Played]:
     undetected = tuple(n for n in every if n not in named)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
     return Stage("actuation", named, rivals, undetected, left, words, divided=divided), best
+
+
+def _exchanged(best: Played, grown: Played, bare: Played) -> Played:
+    """With other laws of all servos in the place of those that are left, if that is likelier, where some that were
+    found beside them (`grown`) were not kept: these may have bent the others to themselves."""
+    kept, found = ({e.name for e in of.effects if e.place is None} for of in (best, grown))
+    if not kept or not found - kept:
+        return best
+    again = of_all_anew(best, found - kept)
+    return best if again is best else _earned(again, bare)
+
+
+def _earned(best: Played, bare: Played) -> Played:
+    """Without what does not earn its name."""
+    return earned(best, bare, _each_without, lambda found: needed(found.data, found.effects))
 
 
 def beside_a_larger(data: Plays, every: Sequence[Named]) -> list[Named]:
