@@ -88,6 +88,14 @@ def test_a_step_is_no_slope() -> None:
     assert levelled(tracks, "z") == (tracks, "")
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_film_of_which_every_other_frame_is_lost_is_levelled() -> None:
+    tracks, _ = seen(motion(8, 2), 0.2, 1.0, "z", 1e-4, 0.0, 2)
+    assert tracks.space is not None
+    tracks.space[::2] = np.nan
+    assert "tilted by 11.5 degrees" in levelled(tracks, "z")[1]
+
+
 def test_a_plane_between_all_axes_is_levelled_too() -> None:
     tracks, _ = seen(motion(8, 2), np.radians(50.0), np.pi / 4, "z", 1e-4, 0.0, 2)
     found, said = levelled(tracks, "z")

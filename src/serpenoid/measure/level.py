@@ -5,10 +5,10 @@ down the slope is shorter by the cosine. Heights of markers tell,
 
     z(f, k) = h_k + a x(f, k) + b y(f, k) + e        h_k: how high marker k is put
 
-by least squares, if that is nearly all that heights do: parts that a body lifts as it bends go with the place, too. How
-unsure the slopes a, b are, blocks of successive frames say: what e lasts for counts once. A
-direction in which they are beyond chance is turned into the plane, another is left as it is. To turn for nothing costs
-half the square of the angle of a length.
+by least squares, if that is nearly all that heights do: parts that a body lifts as it bends go with the place, too.
+How unsure the slopes a, b are, blocks of successive frames say: what lasts in e counts once. A direction in which they
+are beyond chance is turned into the plane, another is left as it is. To turn for nothing costs half the square of the
+angle of a length.
 
 Legend: F frames, M markers.
 """
@@ -68,8 +68,9 @@ def _slopes(flat: Floats, height: Floats) -> Floats:
     if np.abs(axes[:, 0]).argmax() != UP or sizes[1] <= sizes[0] or not moves:
         return np.zeros(2)
     found = np.linalg.solve(whole[:2, :2], whole[:2, 2])
-    left = height - flat @ found
-    noise = float(np.nanmean(np.diff(left, n=2, axis=0) ** 2)) / 6 if len(left) > 2 else 0.0
+    second = np.diff(height - flat @ found, n=2, axis=0)
+    known = np.isfinite(second)
+    noise = float((second[known] ** 2).mean()) / 6 if known.any() else 0.0
     if whole[2, 2] - found @ whole[:2, 2] - noise * seen.sum() > ALL_BUT * whole[2, 2]:
         return np.zeros(2)
     off = blocks[:, :2, 2] - blocks[:, :2, :2] @ found  # what each block's heights are off, summed by place
