@@ -13,6 +13,7 @@ from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.shown import Shown
 from serpenoid.status import Status
+from serpenoid.wording import warned
 
 STILL = 1e-4  # body lengths: the tremble that an optimiser leaves of a gait that stands
 
@@ -39,7 +40,7 @@ class Trajectory(Shown):
     def summary(self) -> str:
         """How it ended, how far it went; what looks to be told in another unit."""
         went = f"{self.status.name.lower()}, {len(self.poses)} poses, {self.displacement:.6f} body lengths"
-        return "; ".join([went, *(f"warning: {said}" for said in self.odd_units)])
+        return warned(went, self.odd_units)
 
     @property
     def net_motion(self) -> Floats:

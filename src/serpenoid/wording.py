@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 FEW = 4  # names that are read at a glance
 OTHER_LAW = "may stand for another law of the floor or the water"  # ends what it says of names that mend one
@@ -15,6 +15,11 @@ def listed(words: Sequence[str]) -> str:
     """`one`, `one and another`, `one, another and a third`."""
     *first, last = words
     return f"{', '.join(first)} and {last}" if first else last
+
+
+def warned(said: str, warnings: Iterable[str]) -> str:
+    """A sentence, and warnings behind it."""
+    return "; ".join([said, *(f"warning: {warning}" for warning in warnings)])
 
 
 def some_of(names: Sequence[str], every: Sequence[str], noun: str) -> str:

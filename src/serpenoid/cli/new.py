@@ -53,8 +53,7 @@ def run(args: argparse.Namespace) -> int:
     if args.file == "campaign" and path.suffix != ".toml":
         path = path / "campaign.toml"
     _check_name(path.absolute().parent.name if args.file == "campaign" else path.stem)
-    if path.exists():
-        raise InputError(f"{path}: is there already. Name another file.")
+    _refuse_existing(path)
     options.check_writable(path.parent)
     talks = not args.yes and sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
     if not (talks or args.yes) and any(getattr(args, q.name.replace("-", "_")) is None for q in template.questions):
@@ -80,8 +79,7 @@ def run(args: argparse.Namespace) -> int:
         if wanted and default:
             assumed[f"--{question.name} {default}"] = question.key
     with alone(path.parent, f"{path}: another serpenoid command writes in its folder. Wait for its end."):
-        if path.exists():  # of one that was as quick
-            raise InputError(f"{path}: is there already. Name another file.")
+        _refuse_existing(path)  # of one that was as quick
         first = template.write(path, answers)
     written = path.read_text(encoding="utf-8")
     told = [option for option, key in assumed.items() if f"\n{key}" in written]
@@ -103,6 +101,11 @@ def _length(kind: str, path: Path) -> list[str]:
         return []
     odd = [f"warning: {said}" for said in body.odd_units]
     return [f"The body is {body.total_length_m:.4g} m long, {counted(body.joint_count, 'joint')}.", *odd]
+
+
+def _refuse_existing(path: Path) -> None:
+    if path.exists():
+        raise InputError(f"{path}: is there already. Name another file.")
 
 
 def _check_name(name: str) -> None:

@@ -11,13 +11,12 @@ from serpenoid.errors import InputError
 from serpenoid.files.inputs import RECORDING_BYTES, read_bytes
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.child import MAT_ARRAYS, read_in_child
-from serpenoid.measure.matlab import OF_IDTRACKER, read_mat
+from serpenoid.measure.matlab import OF_IDTRACKER, TRAJECTORIES, read_mat
 from serpenoid.measure.trackers import Timing, as_tracks
 from serpenoid.measure.tracks import Tracks, no_time, upright
 
 AXES = 3
 STRUCTURE = re.compile(r"`(.*)` \(struct: (.*)\)")
-TRAJECTORIES = "trajectories"  # what files of idtracker and idtracker.ai hold
 
 
 def read_array(path: str | Path, timing: Timing) -> Tracks:

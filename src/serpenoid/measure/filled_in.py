@@ -20,8 +20,6 @@ Legend: F frames, M markers.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -46,10 +44,8 @@ def without_filled_in(tracks: Tracks) -> tuple[Tracks, str]:
         return tracks, ""
     hidden = made & tracks.seen
     gone = hidden.any(axis=1) & (hidden == tracks.seen).all(axis=1)
-    floor = np.where(hidden[..., None], np.nan, tracks.floor)
-    space = None if tracks.space is None else np.where(hidden[..., None], np.nan, tracks.space)[~gone]
     frames = f", in {gone.sum()} of {len(gone)} frames all" if gone.any() else ""
-    return replace(tracks, time_s=tracks.time_s[~gone], floor=floor[~gone], space=space), (
+    return tracks.without(hidden).of_frames(~gone), (
         f"{hidden.sum() / tracks.seen.sum():.1%} of its points are on straight lines between frames, to the last "
         f"digit{frames}: filled in by a program, not seen. They are hidden; leave such cells empty in the file"
     )
@@ -70,7 +66,7 @@ def _filled_in(tracks: Tracks) -> NDArray[np.bool_]:
     straight = moves[1:] & moves[:-1] & (away <= 2 * r)
     at = tracks.time_s if time else np.arange(float(len(floor)))
     lasts = _on_chords(floor, at, _between_kinks(straight, away > 2 * r), r)
-    if scatter(floor, away, lasts > 0) <= r / 2:
+    if _scatter(floor, away, lasts > 0) <= r / 2:
         return found
     for least in range(1, LONGEST + 1):
         lines = (lasts >= least) & (away <= r)
@@ -110,7 +106,7 @@ def _on_chords(floor: Floats, at: Floats, lasts: NDArray[np.int64], r: float) ->
     return found
 
 
-def scatter(floor: Floats, away: Floats, lines: NDArray[np.bool_]) -> float:
+def _scatter(floor: Floats, away: Floats, lines: NDArray[np.bool_]) -> float:
     """SD of single points (F, M, 2), by fourth differences of five frames that are on no lines (F - 2, M); where there
     are few, as of a film that was put on more frames, by second differences (F - 2, M) that are on none."""
     fourth = np.abs(np.diff(floor, n=4, axis=0)).max(axis=2)

@@ -13,7 +13,6 @@ Legend: F frames, M markers.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,9 +43,7 @@ def without_placeholders(tracks: Tracks) -> tuple[Tracks, str]:
         most = len(leaps) > visits / 2 or not place.any()
         if most and (len(leaps) > 1 or max(leaps, default=0) >= LONG):
             words.append(_said(there, tracks, place))
-            floor = np.where(there[..., None], np.nan, tracks.floor)
-            space = None if tracks.space is None else np.where(there[..., None], np.nan, tracks.space)
-            tracks = replace(tracks, floor=floor, space=space)
+            tracks = tracks.without(there)
     return tracks, "; ".join(words)
 
 

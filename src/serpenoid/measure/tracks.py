@@ -93,8 +93,18 @@ class Tracks:
             raise InputError(
                 f"{self.source}: under 2 frames in from_s..to_s (it runs {clock(first)}..{clock(last)} s)."
             )
+        return self.of_frames(keep)
+
+    def of_frames(self, keep: NDArray[np.bool_]) -> Tracks:
+        """Some of the frames (F,)."""
         space = None if self.space is None else self.space[keep]
         return replace(self, time_s=self.time_s[keep], floor=self.floor[keep], space=space)
+
+    def without(self, hidden: NDArray[np.bool_]) -> Tracks:
+        """With these points (F, M) as not seen."""
+        cells = hidden[..., None]
+        space = None if self.space is None else np.where(cells, np.nan, self.space)
+        return replace(self, floor=np.where(cells, np.nan, self.floor), space=space)
 
 
 def floor_plane(positions: Floats, up_axis: str) -> Floats:

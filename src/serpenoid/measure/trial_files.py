@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,7 +151,8 @@ def kept_of_files(name: str, file: CampaignFile, folder: Path, make: Callable[[]
 def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
     """Read one trial's files."""
     keys, tracks = file.motion_of(entry), read_motion(file, entry, folder)
-    labelled, exchanged, mended = None, "", cast(tuple[str, ...], ())
+    labelled, exchanged = None, ""
+    mended: tuple[str, ...] = ()
     if tracks is not None:
         tracks, mended = _mended(tracks, keys.up_axis or up_axis(keys.format))
         if len(tracks.time_s) < FEWEST_FRAMES:

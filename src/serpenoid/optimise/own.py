@@ -25,6 +25,7 @@ from serpenoid.simulation.callers import problem_of
 from serpenoid.simulation.given import finite, shaped
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
+from serpenoid.wording import warned
 
 WITHIN_LIMITS = 1e-9  # rad
 
@@ -45,7 +46,7 @@ class OwnCertificate(Shown):
         over = f"joint angles or their changes exceed the problem's limits by {self.limit_excess:.1e} rad"
         said = over if self.status is Status.INFEASIBLE else self.status.value
         went = f"{said}, {self.trajectory.displacement:.6f} body lengths per cycle"
-        return "; ".join([went, *(f"warning: {odd}" for odd in self.trajectory.odd_units)])
+        return warned(went, self.trajectory.odd_units)
 
 
 def certify_table(problem: Problem | str | Path, table: Floats, poses: Floats | None = None) -> OwnCertificate:

@@ -18,6 +18,7 @@ from serpenoid.simulation.lifted import simulate_lifted
 from serpenoid.simulation.rollout import simulate_joint_angles
 from serpenoid.table_file import read_table
 from serpenoid.trajectory import Trajectory
+from serpenoid.wording import warned
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -31,8 +32,8 @@ class Simulation(Shown):
     def summary(self) -> str:
         """The problem, and how far it went; limits of its joints that it breaks, angles that may be degrees."""
         told = self.trajectory.odd_units
-        broken = [f"warning: {said}" for said in broken_limits(self.problem, self.table) if said not in told]
-        return "; ".join([f"{self.problem.name}: {self.trajectory.summary()}", *broken])
+        broken = [said for said in broken_limits(self.problem, self.table) if said not in told]
+        return warned(f"{self.problem.name}: {self.trajectory.summary()}", broken)
 
 
 def gait_table(problem: Problem) -> Floats:

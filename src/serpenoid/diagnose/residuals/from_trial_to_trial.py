@@ -142,12 +142,12 @@ def _moving_as_then(
 def _agreeing(motion: Motion, predicted: Sequence[Prediction], most: float) -> list[list[int]]:
     """Trials by number, with the repeats whose paths are no farther apart than `most` [m]."""
     apart = differing(motion, predicted, residuals(motion.tracks, predicted))
-    groups = {i: [i] for i in range(len(motion.tracks))}
-    for a, b in laid_alike(motion.tracks):
-        if np.sqrt(apart[a]) <= most and groups[a] is not groups[b]:
-            groups[a] += groups[b]
-            groups |= {i: groups[a] for i in groups[b]}
-    return list({id(group): group for group in groups.values()}.values())
+    groups = [[i] for i in range(len(motion.tracks))]
+    for a, b in laid_alike(motion.tracks):  # each with the next: b is alone yet
+        if np.sqrt(apart[a]) <= most:
+            groups[a].append(b)
+            groups[b] = groups[a]
+    return [group for i, group in enumerate(groups) if group[0] == i]
 
 
 def _pooled(told: Sequence[Sequence[float]]) -> tuple[float, int]:
