@@ -10,9 +10,16 @@ from scipy.special import stdtrit
 
 from rehearsal import EPS, serpenoid_table, snake
 from serpenoid.body import Body
-from serpenoid.compare.calibrate import best_rms, estimate, profile_likelihood, rms_of, wider_intervals
+from serpenoid.compare.calibrate import (
+    best_rms,
+    estimate,
+    profile_likelihood,
+    rms_of,
+    robust_intervals,
+    wider_intervals,
+)
 from serpenoid.compare.complaints import OFF, least_by_chance
-from serpenoid.compare.intervals import mean_intervals
+from serpenoid.compare.intervals import likelihood_intervals, mean_intervals
 from serpenoid.compare.likelihood import Segment
 from serpenoid.compare.linearise import linearise, relative_poses
 from serpenoid.compare.parameters import bounds, changed, direction
@@ -138,9 +145,44 @@ def test_profile_rises_to_the_95_percent_level_at_the_interval():
     segments = (recorded(snake(), 7),)
     found = estimate(snake(), segments, ONLY_EPS)
     profile = profile_likelihood(snake(), segments, ONLY_EPS, found)
+    np.testing.assert_allclose(profile[[0, -1], 0], found.values[0] + 3 * found.sd[0] * np.array([-1, 1]))
     # nearly a parabola: at 3 standard errors, chi2 is 9
     assert profile[[0, -1], 1] == pytest.approx(9.0, rel=0.05)
     assert profile[:, 1].min() == pytest.approx(0.0, abs=1e-3)
+
+
+def test_profile_is_of_the_standard_error_that_is_stated():
+    """What is not known of lengths widens both: at 3 of these standard errors, chi2 is 9, too."""
+    segments = (recorded(snake(), 7),)
+    found = estimate(snake(), segments, ONLY_EPS)
+    wider = replace(found, sd=3 * found.sd)
+    profile = profile_likelihood(snake(), segments, ONLY_EPS, wider)
+    np.testing.assert_allclose(profile[[0, -1], 0], found.values[0] + 9 * found.sd[0] * np.array([-1, 1]))
+    assert profile[[0, -1], 1] == pytest.approx(9.0, rel=0.1)
+
+
+@pytest.mark.parametrize("beyond", [(-1.0, 0.5), (-0.5, 1.0), (0.0, 1.0)])
+def test_profile_and_intervals_keep_the_bounds_that_a_file_states(beyond):
+    """Bounds nearer than the interval's ends, in its standard errors; the last one at the best value."""
+    segments = (recorded(snake(), 7),)
+    free = estimate(snake(), segments, ONLY_EPS)
+    stated = (free.values[0] + free.sd[0] * np.array(beyond)).tolist()
+    model = Model(snake().body, snake().medium.model_copy(update={"anisotropy_ratio_bounds": tuple(stated)}))
+    found = estimate(model, segments, ONLY_EPS)
+    profile = profile_likelihood(model, segments, ONLY_EPS, found)
+    for low, high in (profile[[0, -1], 0], found.interval[0], robust_intervals(found, model)[0]):
+        np.testing.assert_allclose([low, high], stated, rtol=1e-12)
+
+
+def test_an_interval_is_cut_at_a_bound_only_within_the_stated_error():
+    """By noise alone the profile would have lost 1.92 long before the bound, and the interval would end there."""
+    segments = (recorded(snake(), 7),)
+    solution = estimate(snake(), segments, ONLY_EPS).solution
+    sd = 3 * np.sqrt(np.diag(solution.covariance))
+    high = float(solution.values[0] + 1.5 * sd[0])
+    medium = snake().medium.model_copy(update={"anisotropy_ratio_bounds": (0.01, high)})
+    found = likelihood_intervals(Model(snake().body, medium), segments, solution, sd)
+    assert found[0, 1] == high
 
 
 def test_two_gaits_jointly_recover_eps_and_end_weight():

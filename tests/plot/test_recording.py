@@ -9,8 +9,10 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from rehearsal import snake
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.schedule import Schedule
+from serpenoid.model import Model
 from serpenoid.plot import calibration, recording
 
 LAMPREY = Path(__file__).parents[2] / "problems" / "campaigns" / "lamprey.toml"
@@ -60,11 +62,17 @@ def test_what_is_seen_when_stands_at_its_time_and_missing_frames_show_nothing():
     assert not shown[1, -9:].any()
 
 
-def test_no_ratio_is_drawn_that_cannot_be():
-    fit = SimpleNamespace(values=[0.5], robust_sd=[0.6], sd=[0.1])
+@pytest.mark.parametrize("stated", [None, (0.35, 3.0)])
+def test_no_ratio_is_drawn_that_cannot_be(stated):
+    names = ("anisotropy_ratio",)
+    medium = snake().medium.model_copy(update={"anisotropy_ratio_bounds": stated})
+    model = Model(snake().body, medium)
+    fit = SimpleNamespace(names=names, values=np.array([0.5]), robust_sd=np.array([6.0]), interval=[(0.4, 0.6)])
     trials = [SimpleNamespace(trial="a", estimate=fit, best_rms_eps=0.5)]
     together = SimpleNamespace(interval=[(0.4, 0.6)], values=[0.5])
-    found = SimpleNamespace(trials=trials, together=together, names=["anisotropy_ratio"])
-    low, high = calibration.trial_values(found, Figure().add_subplot()).get_xlim()
-    assert 0 <= low < 0.4
-    assert 0.6 < high <= 1
+    found = SimpleNamespace(trials=trials, together=together, names=names)
+    ax = calibration.trial_values(found, model, Figure().add_subplot())
+    ends = stated or (1e-4, 1.0)
+    assert ax.get_xlim() == pytest.approx(ends)
+    robust = ax.collections[0].get_segments()[0]
+    assert robust[:, 0] == pytest.approx(ends)

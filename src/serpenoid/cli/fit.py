@@ -88,23 +88,23 @@ def lines(calibration: Calibration, model: Model) -> list[str]:
     """The summary: all trials together, mean over trials, best RMS, and K = 1 / eps."""
     import numpy as np
 
-    from serpenoid.compare.calibrate import drag_ratio
-    from serpenoid.compare.parameters import bounds
+    from serpenoid.compare.calibrate import drag_ratio, robust_intervals
+    from serpenoid.compare.intervals import within
     from serpenoid.compare.records import best_rms_told
 
-    together, lows, highs = calibration.together, *bounds(calibration.names, model)
+    together = calibration.together
+    robusts = robust_intervals(together, model)
+    spreads = within(together.names, model, together.values, together.spread_half)
     found = [f"{model.where_drag_acts}, {len(calibration.trials)} trial(s)"]
     for i, name in enumerate(calibration.names):
-        value, (low, high) = together.values[i], together.interval[i]
-        robust = np.clip(value + 1.96 * together.robust_sd[i] * np.array([-1, 1]), lows[i], highs[i])
+        value, (low, high), robust = together.values[i], together.interval[i], robusts[i]
         known = bool(together.determined[i])
         found += [
             f"{name}",
             f"  all together    {f'{value:.6g}' if known else UNTOLD}   95 % {low:.6g} .. {high:.6g} (noise), "
             f"{robust[0]:.6g} .. {robust[1]:.6g} (robust)",
         ]
-        if np.isfinite(half := together.spread_half[i]):
-            spread = np.clip(value + half * np.array([-1, 1]), lows[i], highs[i])
+        if np.isfinite(spread := spreads[i]).all():
             found.append(
                 f"  trials differ   by more than chance: 95 % {spread[0]:.6g} .. {spread[1]:.6g} by their spread"
             )
@@ -132,14 +132,14 @@ def draw(folder: Path, campaign: Campaign, model: Model, calibration: Calibratio
     """calibration, and the paper's displacement figure for the first trial."""
     import numpy as np
 
-    from serpenoid.compare.calibrate import displacement_curve, rms_of
+    from serpenoid.compare.calibrate import HIGHEST, LOWEST, displacement_curve, rms_of
     from serpenoid.compare.parameters import changed
     from serpenoid.compare.segments import trial_segments
     from serpenoid.plot.calibration import calibration_figure, displacement_for_eps
     from serpenoid.plot.figures import save
     from serpenoid.plot.style import figure
 
-    save(calibration_figure(calibration), folder, "calibration")
+    save(calibration_figure(calibration, model), folder, "calibration")
     first = calibration.trials[0]
     trial = next(t for t in campaign.trials if t.name == first.trial)
     segment = max(trial_segments(trial), key=lambda s: len(s.time_s))
@@ -148,7 +148,8 @@ def draw(folder: Path, campaign: Campaign, model: Model, calibration: Calibratio
         return changed(model, ("anisotropy_ratio",), np.array([eps]))
 
     centre = first.best_rms_eps
-    grid = np.geomspace(max(centre / 4, 1e-3), min(centre * 4, 1.0), 25)
+    lowest, highest = model.medium.limits(LOWEST, HIGHEST)
+    grid = np.geomspace(max(centre / 4, lowest), min(centre * 4, highest), 25)
     curves = np.array([displacement_curve(at(eps), segment) for eps in grid])
     rms = np.array([rms_of(at(eps), (segment,)) for eps in grid])
     measured = np.hypot(*(segment.smooth_poses - segment.smooth_poses[0]).T[:2])

@@ -19,10 +19,10 @@ from scipy.optimize import minimize_scalar
 from serpenoid.body import Floats
 from serpenoid.body_curve import PLAIN
 from serpenoid.compare.complaints import complaints, determined
-from serpenoid.compare.intervals import Z95, likelihood_intervals, mean_intervals
+from serpenoid.compare.intervals import Z95, chi2_lost, likelihood_intervals, mean_intervals, within
 from serpenoid.compare.lengths import Others, lengths_sd, others_of
 from serpenoid.compare.likelihood import Segment, Solution, Whitened, fit, whiten
-from serpenoid.compare.parameters import bounds, changed, start_values
+from serpenoid.compare.parameters import changed, start_values
 from serpenoid.compare.plain import refuse_effects
 from serpenoid.compare.redraw import redrawn_sd
 from serpenoid.compare.scales import scales_sd
@@ -87,7 +87,7 @@ class Calibration:
     mean_interval: Floats  # (P, 2) 95 %, Student
     mean_best_rms: float
     spread_best_rms: float
-    profile: Floats  # (K, 2): first number, chi2 above its minimum in noise units
+    profile: Floats  # (K, 2): first number, chi2 above its minimum, where the interval's standard error is 1
 
 
 def calibrate(
@@ -140,10 +140,13 @@ def drag_ratio(found: Estimate, model: Model) -> tuple[float, float, float]:
 def wider_intervals(found: Estimate, model: Model) -> Floats:
     """95 % intervals (P, 2) of noise, robust, or by the spread of trials where they differ by more than chance:
     whichever end is farthest; within the bounds of the fit."""
-    least, most = bounds(found.names, model)
-    away = np.fmax(Z95 * found.robust_sd, found.spread_half)
-    low, high = np.fmin(found.interval[:, 0], found.values - away), np.fmax(found.interval[:, 1], found.values + away)
-    return np.column_stack([np.fmax(low, least), np.fmin(high, most)])
+    away = within(found.names, model, found.values, np.fmax(Z95 * found.robust_sd, found.spread_half))
+    return np.column_stack([np.fmin(found.interval[:, 0], away[:, 0]), np.fmax(found.interval[:, 1], away[:, 1])])
+
+
+def robust_intervals(found: Estimate, model: Model) -> Floats:
+    """95 % intervals (P, 2) that hold where what is left lasts; within the bounds of the fit."""
+    return within(found.names, model, found.values, Z95 * found.robust_sd)
 
 
 def estimate(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], others: Others = GIVEN) -> Estimate:
@@ -206,21 +209,15 @@ def autocorrelation(left: tuple[Whitened, ...], lags: int = 40) -> Floats:
 
 
 def profile_likelihood(
-    model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], best: Estimate, points: int = 13
+    model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], best: Estimate, points: int = 7
 ) -> Floats:
-    """Chi2 above its minimum along the first number, the others fitted again, within 3 standard errors: (K, 2)."""
-    low, high = (ends[0] for ends in bounds(names, model))
-    sd = float(np.sqrt(best.solution.covariance[0, 0])) * max(1.0, best.noise_scale)  # of noise alone
-    grid = best.values[0] + sd * np.linspace(-3, 3, points)
-    noise = changed(model, names, best.values)  # chi2 values are comparable only under one noise
-    least = fit(noise, segments, (), np.empty(0)).chi2
-    rows = []
-    for value in grid[(grid >= low) & (grid <= high)]:
-        fixed = changed(model, names[:1], np.array([value]))
-        others = names[1:]
-        found = fit(fixed, segments, others, start_values(others, fixed) if others else np.empty(0), noise)
-        rows.append((value, (found.chi2 - least) / max(1.0, best.noise_scale) ** 2))
-    return np.array(rows)
+    """Chi2 above its minimum along the first number, the others fitted again, within 3 standard errors and its bounds:
+    (K, 2), so many points to either side. The standard error is the interval's."""
+    value, sd = float(best.values[0]), float(best.sd[0])
+    ends = within(names, model, best.values, 3 * best.sd)[0]
+    lost = chi2_lost(model, segments, best.solution, 0, sd)
+    grid = np.unique([np.linspace(value, end, points) for end in ends])
+    return np.array([(at, lost(at)) for at in grid.tolist()])
 
 
 def displacement_curve(model: Model, segment: Segment) -> Floats:

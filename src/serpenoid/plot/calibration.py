@@ -8,7 +8,9 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
-from serpenoid.compare.calibrate import Calibration
+from serpenoid.compare.calibrate import Calibration, robust_intervals
+from serpenoid.compare.parameters import bounds
+from serpenoid.model import Model
 from serpenoid.plot.beside import name_levels
 from serpenoid.plot.style import BLUE, FAINT, GREY, INK, ORANGE, RED, SMALL, colour_bar, dress, figure, legend_above
 
@@ -35,7 +37,7 @@ def displacement_for_eps(
     return ax
 
 
-def trial_values(calibration: Calibration, ax: Axes) -> Axes:
+def trial_values(calibration: Calibration, model: Model, ax: Axes) -> Axes:
     """Every trial's estimate with its interval and its best-RMS eps; that of all together as a band."""
     names = [f.trial for f in calibration.trials]
     rows = np.arange(len(names))
@@ -43,14 +45,16 @@ def trial_values(calibration: Calibration, ax: Axes) -> Axes:
     ax.axvspan(*together.interval[0], color=BLUE, alpha=0.18, lw=0)
     ax.axvline(together.values[0], color=BLUE, lw=1.2, label="all trials together, 95 %")
     values = np.array([f.estimate.values[0] for f in calibration.trials])
-    robust = np.array([1.96 * f.estimate.robust_sd[0] for f in calibration.trials])
-    noise = np.array([1.96 * f.estimate.sd[0] for f in calibration.trials])
-    ax.errorbar(values, rows, xerr=robust, fmt="none", ecolor=FAINT, elinewidth=5, zorder=1, label="95 %, robust")
-    ax.errorbar(values, rows, xerr=noise, fmt="o", color=INK, ms=4, lw=1.2, label="likelihood, 95 %")
+    robust = np.array([robust_intervals(f.estimate, model)[0] for f in calibration.trials])
+    noise = np.array([f.estimate.interval[0] for f in calibration.trials])
+    ax.hlines(rows, *robust.T, color=FAINT, lw=5, zorder=1, label="95 %, robust")
+    ax.hlines(rows, *noise.T, color=INK, lw=1.2, label="likelihood, 95 %")
+    ax.plot(values, rows, "o", color=INK, ms=4)
     if calibration.names[0] == "anisotropy_ratio":
         ax.plot([f.best_rms_eps for f in calibration.trials], rows, "D", color=ORANGE, ms=4, label="best RMS")
-        low, high = ax.get_xlim()
-        ax.set_xlim(max(low, 0.0), min(high, 1.0))  # what it can be
+    (least,), (most,) = bounds(calibration.names[:1], model)
+    low, high = ax.get_xlim()
+    ax.set_xlim(max(low, least), min(high, most))  # what it can be
     ax.set_yticks(rows, names)
     ax.set_ylim(len(names) - 0.4, -0.6)
     dress(ax, "", calibration.names[0].replace("_", " "), "")
@@ -88,11 +92,11 @@ def left_over(calibration: Calibration, ax: Axes) -> Axes:
     )
 
 
-def calibration_figure(calibration: Calibration) -> Figure:
+def calibration_figure(calibration: Calibration, model: Model) -> Figure:
     """Trial values beside profile and autocorrelation."""
     fig = figure(9.4, max(4.2, 1.6 + 0.28 * len(calibration.trials)))
     grid = fig.add_gridspec(2, 2, width_ratios=[1.3, 1])
-    trial_values(calibration, fig.add_subplot(grid[:, 0]))
+    trial_values(calibration, model, fig.add_subplot(grid[:, 0]))
     profile(calibration, fig.add_subplot(grid[0, 1]))
     left_over(calibration, fig.add_subplot(grid[1, 1]))
     return fig

@@ -28,7 +28,7 @@ def _recording(result: Any) -> Figure | None:
 def _calibration(result: Any) -> Figure | None:
     from serpenoid.plot.calibration import calibration_figure
 
-    return calibration_figure(result.calibration)
+    return calibration_figure(result.calibration, result.model)
 
 
 def _comparison(result: Any) -> Figure | None:
