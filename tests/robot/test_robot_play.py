@@ -383,6 +383,9 @@ def test_emulate_command_end_to_end(tmp_path):
         assert wrong.returncode == 1
         check = serpenoid("robot", "check", write_gait(tmp_path), "--robot", ROBOT_FILE, "--port", port)
         assert "at 11.8 V (measured)" in check.stdout
+        second = serpenoid(*words)
+        assert second.returncode == 2
+        assert f"--link {port}: another `robot emulate` serves this port" in second.stderr
         off = serpenoid("robot", "off", "--robot", ROBOT_FILE, "--port", port)
         assert off.returncode == 0
         assert serpenoid("robot", "reboot", "--robot", ROBOT_FILE, "--port", port).returncode == 0
@@ -391,7 +394,14 @@ def test_emulate_command_end_to_end(tmp_path):
     assert code == 0
     assert "torque is off on every servo" in err
     assert len(json.loads(report.read_text())["servos"]) == 10
-    assert not (tmp_path / "snake").exists()
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith((".", "snake"))] == []
+
+
+def test_a_link_into_no_folder_is_refused(tmp_path):
+    done = serpenoid("robot", "emulate", "--link", tmp_path / "nope" / "port")
+    assert done.returncode == 2
+    assert f"there is no folder {tmp_path / 'nope'}. Make it, or name another place." in done.stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_emergency_key_stops_the_robot(tmp_path):

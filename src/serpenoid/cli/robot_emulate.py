@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.errors import InputError
+from serpenoid.files.alone import LOCK, alone
 from serpenoid.files.schema import load
 from serpenoid.files.writing import write_json
 from serpenoid.robot.description import Robot
@@ -61,8 +62,8 @@ def configure(actions: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    if args.link is not None and (args.link.exists() and not args.link.is_symlink()):
-        raise InputError(f"--link {args.link}: a file is already there.")
+    if args.link is not None:
+        _hold(args, args.link)
     baud_rate, servos = _servos(args)
     ids = {servo.id for servo in servos}
     chain = Chain(servos, baud_rate, [_fault(text, ids) for text in args.fault], args.seed)
@@ -87,6 +88,16 @@ def run(args: argparse.Namespace) -> int:
         write_json(args.report, report)
     sys.stderr.write(_in_words(report))
     return 0
+
+
+def _hold(args: argparse.Namespace, link: Path) -> None:
+    """Refuse a link that cannot be, or that another emulator serves: it would be taken from it without a word."""
+    if not link.parent.is_dir():
+        raise InputError(f"--link {link}: there is no folder {link.parent}. Make it, or name another place.")
+    if link.exists() and not link.is_symlink():
+        raise InputError(f"--link {link}: a file is already there.")
+    said = f"--link {link}: another `robot emulate` serves this port. Name another link, or wait for its end."
+    args.held.enter_context(alone(link.parent, said, lock=f".{link.name}{LOCK}"))
 
 
 def _servos(args: argparse.Namespace) -> tuple[int, list[EmulatedServo]]:
