@@ -82,6 +82,22 @@ def test_a_bad_gait_in_a_batch_with_effects_spoils_no_other() -> None:
 
 
 @pytest.mark.parametrize("name", DOORS)
+def test_angles_that_may_be_degrees_are_asked_about(name: str) -> None:
+    table = serpenoid_table(reference())
+    assert "degrees" not in repr(DOORS[name](reference(), table))
+    said = repr(DOORS[name](reference(), np.degrees(table)))
+    assert re.search(r"warning: .*joint_[0-9]+ reaches [0-9.]+ degrees, more than half a turn.*in degrees\?", said)
+
+
+def test_a_batch_names_the_table_whose_angles_may_be_degrees() -> None:
+    table = serpenoid_table(reference())
+    blank = np.full_like(table, np.nan)
+    batch = sp.simulate_batch(reference(), np.array([table, np.degrees(table), blank]))
+    assert repr(batch).startswith("<Batch 2 of 3 gaits simulated, ")
+    assert "warning: tables[1]: joint_" in repr(batch)
+
+
+@pytest.mark.parametrize("name", DOORS)
 def test_complex_angles_are_refused_and_not_cut_to_their_real_part(name: str) -> None:
     """`fft` without `.real` gives them; cut, they may be a body that never moves."""
     with pytest.raises(InputError, match=rf"`{name}` must be an array of numbers .*got complex ones\. Take the real"):

@@ -13,6 +13,7 @@ from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.joint_limits import odd_angles
 from serpenoid.model import Model
+from serpenoid.shown import Shown
 from serpenoid.simulation.extended import solve_extended, solve_independent
 from serpenoid.simulation.given import apart, cycles_of, first_poses, model_of, odd_lengths, shaped, times_of
 from serpenoid.simulation.poses import body_frame, body_poses
@@ -20,6 +21,7 @@ from serpenoid.simulation.servos import realise, realise_gait
 from serpenoid.simulation.steps import Steps, elements_of_vertices, shape_rows, solve_cycles, solve_steps
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
+from serpenoid.wording import counted, warned
 
 __all__ = [
     "Batch",
@@ -90,14 +92,24 @@ def simulate_vertices(
     return replace(found, odd_units=odd_lengths(given))
 
 
-@dataclass(frozen=True)
-class Batch:
-    """Many gaits simulated for one cycle: poses (B, T + 1, 3), dissipation (B,), residual (B,), sound (B,)."""
+@dataclass(frozen=True, repr=False, eq=False)
+class Batch(Shown):
+    """Many gaits simulated for one cycle: poses (B, T + 1, 3), dissipation (B,), residual (B,), sound (B,).
+
+    odd_units: what of the tables looks to be told in another unit, as sentences.
+    """
 
     poses: Floats
     dissipation: Floats
     residual: Floats
     sound: np.ndarray
+    odd_units: tuple[str, ...] = ()
+
+    def summary(self) -> str:
+        """How many could be simulated, how far they went; what looks to be told in another unit."""
+        far = self.displacement[self.sound]
+        went = f", {far.min():.6f} to {far.max():.6f} body lengths" if len(far) else ""
+        return warned(f"{len(far)} of {counted(len(self.sound), 'gait')} simulated{went}", self.odd_units)
 
     @property
     def displacement(self) -> Floats:
@@ -108,6 +120,17 @@ class Batch:
 def simulate_batch(model: Model, tables: Floats, closed: bool = True) -> Batch:
     """Simulate B joint tables, shape (B, R, m) [rad], for one cycle each; closed ones in one compiled call."""
     tables = shaped("tables", tables, (-1, -1, model_of(model).body.joint_count))
+    return replace(_simulate_tables(model, tables, closed), odd_units=_odd_tables(tables))
+
+
+def _odd_tables(tables: Floats) -> tuple[str, ...]:
+    """Of the one whose angles are largest, and its place."""
+    known = np.where(np.isfinite(tables), tables, 0.0)
+    most = int(np.abs(known).max(axis=(1, 2)).argmax())
+    return tuple(f"tables[{most}]: {said}" for said in odd_angles(known[most]))
+
+
+def _simulate_tables(model: Model, tables: Floats, closed: bool) -> Batch:
     b, t, _ = tables.shape
     if not closed:
         return _one_by_one(model, tables, closed)
