@@ -19,6 +19,7 @@ import serpenoid
 from serpenoid.cli import options
 from serpenoid.cli.main import VERBS, main
 from serpenoid.cli.remaining import remaining
+from serpenoid.files.alone import LOCK, alone
 
 REFERENCE = str(Path(__file__).parents[2] / "problems" / "reference.toml")
 
@@ -232,6 +233,40 @@ def test_show_of_what_was_begun_alone_says_how_to_go_on(tmp_path: Path, capsys: 
     (tmp_path / "request.json").write_text('{"verb": "sweep", "request": "0"}', encoding="utf-8")
     assert main(["show", str(tmp_path)]) == 2
     assert "holds no answer yet. The command that began it was stopped" in capsys.readouterr().err
+
+
+def test_show_of_a_folder_where_a_command_is_at_work_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with alone(tmp_path / "out", ""):
+        assert main(["show", str(tmp_path / "out")]) == 2
+        assert "holds no answer yet: a serpenoid command is at work in this folder." in capsys.readouterr().err
+        assert main(["show", str(tmp_path)]) == 2
+        assert f"Name a folder within: {tmp_path / 'out'}." in capsys.readouterr().err
+        (tmp_path / "out" / "fit.json").write_text("{}", encoding="utf-8")
+        (tmp_path / "out" / "summary.txt").write_text("anisotropy_ratio 0.2\n", encoding="utf-8")
+        assert main(["show", str(tmp_path / "out")]) == 0
+        assert capsys.readouterr().out.startswith("unfinished        a serpenoid command is at work in this folder: ")
+    (tmp_path / "out" / LOCK).touch()  # what a process that was killed leaves
+    assert main(["show", str(tmp_path / "out")]) == 0
+    assert "at work" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("solved", [0, 3])
+def test_a_sweep_that_is_stopped_says_what_is_there_and_how_to_go_on(
+    solved: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopped(_problem: object, _values: object, folder: Path, *_: object) -> None:
+        for i in range(solved):
+            (folder / "chain").mkdir(parents=True, exist_ok=True)
+            (folder / "chain" / f"up-{i}.npz").touch()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("serpenoid.cli.sweep.sweep_one", stopped)
+    assert main(["sweep", REFERENCE, "--quiet", "--out", str(tmp_path)]) == 130
+    kept = f"Solved points are kept in {tmp_path}; the same command goes on from there."
+    none = "No point was solved yet; the same command begins anew."
+    assert f"stopped. {kept if solved else none}" in capsys.readouterr().err
 
 
 def test_show_repeats_what_a_verb_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

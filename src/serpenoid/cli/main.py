@@ -138,19 +138,25 @@ def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
         sys.stdout.flush()
         return code
     except (KeyboardInterrupt, StopRequested) as error:
-        return stopped(str(error) or getattr(args, "kept_if_stopped", ""))
+        return stopped(str(error) or _kept(args))
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains once more as it ends
         return 130 if interrupted else 1
     except Exception as error:
         if interrupted:  # whatever a library made of it
             log.stopped()
-            return stopped(getattr(args, "kept_if_stopped", ""))
+            return stopped(_kept(args))
         code = _refused(error, args)
         if code is None:
             log.failed()
             raise
         return code
+
+
+def _kept(args: argparse.Namespace) -> str:
+    """What the verb says is left of its work, a sentence or what finds one."""
+    said = getattr(args, "kept_if_stopped", "")
+    return str(said() if callable(said) else said)
 
 
 def _refused(error: Exception, args: argparse.Namespace) -> int | None:

@@ -16,6 +16,7 @@ from serpenoid.cli.claim import REQUEST, is_unfinished
 from serpenoid.cli.goals import dissipation_name, goal_lines, in_cycles
 from serpenoid.cli.starts import bound_lines, certificate_line, note_lines, starts_lines
 from serpenoid.cli.sweep import beside_lines
+from serpenoid.files.alone import LOCK, is_held
 from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
 from serpenoid.files.writing import UNFINISHED
 from serpenoid.media import DEFAULT, LAWS
@@ -25,6 +26,7 @@ STOPPED = (
     "The command that began it was stopped before it ended: run it again with the same --out. What it kept is not "
     "computed again."
 )
+AT_WORK = "a serpenoid command is at work in this folder"
 CUT_SHORT = (
     "files may be missing, or of an earlier run: the command that writes them has not ended, or was stopped (by hand, "
     "or by a full disk). Run it again with the same --out."
@@ -50,6 +52,8 @@ def run(args: argparse.Namespace) -> int:
         raise InputError(f"{folder}: no such folder. `serpenoid solve` names the folder it wrote.")
     name = next((name for name in RECORDS if (folder / name).exists()), None)
     if name is None and not (folder / "campaign.toml").exists():
+        if is_held(folder):
+            raise InputError(f"{folder}: holds no answer yet: {AT_WORK}. Ask again when it has ended.")
         if (folder / REQUEST).exists():
             raise InputError(f"{folder}: holds no answer yet. {STOPPED}")
         raise InputError(f"{folder}: holds no results: none of {', '.join(RECORDS)}, campaign.toml.{_others(folder)}")
@@ -63,7 +67,9 @@ def run(args: argparse.Namespace) -> int:
         raise InputError(
             f"{folder / (name or 'campaign.toml')}: is not a record of this version ({error!r})."
         ) from None
-    if is_unfinished(folder):
+    if is_held(folder):
+        lines = [f"unfinished        {AT_WORK}: files may be missing, or of an earlier run", *lines]
+    elif is_unfinished(folder):
         lines = [f"unfinished        {CUT_SHORT}", *lines]
     pictures = _named(folder, ".png", ".svg", ".gif")
     files = [f"files             {', '.join(_files(folder))}", *_reports(folder), *_pictures(pictures, name)]
@@ -74,7 +80,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _others(folder: Path) -> str:
     """What else may have been meant: a folder within, or TOML files here."""
-    within = sorted(path for path in folder.iterdir() if any((path / name).exists() for name in RECORDS))
+    telling = (*RECORDS, REQUEST, LOCK)
+    within = sorted(path for path in folder.iterdir() if any((path / name).exists() for name in telling))
     if within:
         return f" Name a folder within: {', '.join(map(str, within[:8]))}{', ...' if len(within) > 8 else ''}."
     files = sorted(path.name for path in folder.glob("*.toml"))
