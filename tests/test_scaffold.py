@@ -409,7 +409,18 @@ def spoil_status(folder: Path) -> str:
 
 def spoil_motion(folder: Path) -> str:
     (folder / "take.csv").write_text("no,motion\n1,2\n")
-    return "take.csv"
+    return f"{folder / 'take.csv'}: row 1"
+
+
+def spoil_servos(folder: Path) -> str:
+    (folder / "trials/wave-1/servo.csv").write_text("no,log\n1,2\n")
+    return f"{folder / 'trials/wave-1/servo.csv'}: row 1"
+
+
+def spoil_schedule(folder: Path) -> str:
+    path = folder / "trials/wave-1/trial.toml"
+    path.write_text(path.read_text().replace("cycles = 2", 'cycles = "2"'))
+    return "trial `wave-1`: cycles: "
 
 
 def spoil_log(folder: Path) -> str:
@@ -417,7 +428,7 @@ def spoil_log(folder: Path) -> str:
     return "Name a folder that `serpenoid play --log` wrote"
 
 
-@pytest.mark.parametrize("spoil", [spoil_status, spoil_motion, spoil_log])
+@pytest.mark.parametrize("spoil", [spoil_status, spoil_motion, spoil_servos, spoil_schedule, spoil_log])
 def test_a_trial_that_cannot_be_taken_leaves_the_campaign_as_it_was(played: Path, spoil, capsys) -> None:
     complaint = spoil(played)
     before = (played / "camp" / "campaign.toml").read_text()

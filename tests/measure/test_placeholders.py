@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from serpenoid.errors import InputError
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.placeholders import without_placeholders
 from serpenoid.measure.tracks import Tracks
@@ -34,6 +35,14 @@ def lost(points: np.ndarray, share: float, place: tuple[float, float] = (0, 0)) 
     """The same with a share of points written as a placeholder, and which."""
     gone = np.random.default_rng(2).random(points.shape[:2]) < share
     return np.where(gone[..., None], place, points), gone
+
+
+@pytest.mark.parametrize("place", [(0, -0.0), (-1, -1)])
+def test_a_film_of_nothing_but_a_placeholder_is_refused_with_it(place: tuple[float, float]) -> None:
+    nothing = np.full((FRAMES, POINTS, 2), place)
+    said = r"made: every marker is at one point, \((0, 0|-1, -1)\), in every frame. Did the tracker find nothing"
+    with pytest.raises(InputError, match=said):
+        without_placeholders(tracks(nothing))
 
 
 @pytest.mark.parametrize("place", [(0, 0), (-1, -1), (-999, 0), (0.5, -0.5)])

@@ -17,6 +17,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.quality import stretches
 from serpenoid.measure.tracks import Tracks
@@ -30,6 +31,7 @@ TRIED = 8  # points that are entered most often: a file has one placeholder, sel
 
 def without_placeholders(tracks: Tracks) -> tuple[Tracks, str]:
     """Tracks whose markers at placeholders are hidden, and which these were; else ''."""
+    _refuse_one_point(tracks)
     words = []
     for place in _entered(tracks.floor):
         there = (tracks.floor == place).all(axis=2)
@@ -45,6 +47,17 @@ def without_placeholders(tracks: Tracks) -> tuple[Tracks, str]:
             words.append(_said(there, tracks, place))
             tracks = tracks.without(there)
     return tracks, "; ".join(words)
+
+
+def _refuse_one_point(tracks: Tracks) -> None:
+    """InputError where there is nothing but a placeholder."""
+    shown = tracks.floor[tracks.seen]
+    if tracks.seen.any(axis=0).sum() > 1 and (shown == shown[:1]).all():
+        x, y = shown[0] + 0.0  # no -0
+        raise InputError(
+            f"{tracks.source}: every marker is at one point, ({x:g}, {y:g}), in every frame. Did the tracker find "
+            "nothing, or is it an export of something else?"
+        )
 
 
 def _entered(floor: Floats) -> Iterator[Floats]:

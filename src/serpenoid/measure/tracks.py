@@ -59,7 +59,9 @@ class Tracks:
         if self.floor.shape != (frames, markers, 2):
             raise InputError(f"{self.source}: {self.floor.shape} positions for {frames} frames and {markers} markers.")
         if not np.isfinite(self.floor).any():
-            raise InputError(f"{self.source}: no marker is seen in any frame.")
+            raise InputError(
+                f"{self.source}: no marker is seen in any frame: all cells are empty, or zeros that say the same."
+            )
         if np.nanmax(np.abs(self.floor)) > LARGEST:
             raise InputError(
                 f"{self.source}: a position is {np.nanmax(np.abs(self.floor)):.3g}, which is no measurement."

@@ -9,6 +9,8 @@ import json
 import math
 import shutil
 import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,7 +22,7 @@ from serpenoid.files.alone import alone
 from serpenoid.files.inputs import read_json, read_text
 from serpenoid.files.schema import plain_name, read_toml, validate
 from serpenoid.files.writing import write_text
-from serpenoid.measure.campaign import CampaignFile, load_campaign_file
+from serpenoid.measure.campaign import CampaignFile, TrialEntry, load_campaign_file
 from serpenoid.measure.trial_files import read_trial
 from serpenoid.robot.stated import read_stated
 from serpenoid.robot.ticks import coarsest_tick
@@ -85,6 +87,7 @@ def _add_trial(file: Path, new: NewTrial) -> str:
     target = folder / entry["name"]
     place = {key: f"{entry['name']}/{file_name}" for key, (_, file_name) in _sources(new).items()}
     ended = entry.pop("ended", None)
+    validate(TrialEntry, entry | place, f"trial `{entry['name']}`")  # of the caller, and not of the campaign's file
     text = _without_example(read_text(file)).rstrip() + "\n\n" + _section(entry | place, ended)
     made = not target.exists()
     if not made and (new.played is None or target.resolve() != new.played.resolve()):
@@ -92,7 +95,8 @@ def _add_trial(file: Path, new: NewTrial) -> str:
     target.mkdir(exist_ok=True)
     try:
         _copy(target, new)
-        _check(text, file, entry["name"], folder)
+        with _told_of_sources(target, new):
+            _check(text, file, entry["name"], folder)
         write_text(file, text)
     except BaseException:
         if made:
@@ -115,6 +119,18 @@ def _sources(new: NewTrial) -> dict[str, tuple[Path, str]]:
     if len(set(names)) < len(names):
         raise InputError(f"{new.motion}: other files of a trial are called {', '.join(names[:-1])}. Rename the film.")
     return there
+
+
+@contextmanager
+def _told_of_sources(target: Path, new: NewTrial) -> Iterator[None]:
+    """Faults of copies are told of what was copied: no copy stays."""
+    try:
+        yield
+    except InputError as fault:
+        said = str(fault)
+        for source, name in _sources(new).values():
+            said = said.replace(str(target / name), str(source))
+        raise InputError(said) from None
 
 
 def _copy(target: Path, new: NewTrial) -> None:
