@@ -16,6 +16,8 @@ from serpenoid.files.inputs import csv_rows, number, read_text
 from serpenoid.files.writing import write_csv
 from serpenoid.wording import counted
 
+SHORT = 6  # characters, of 0.1234: shorter ones are written by hand, with as many digits as they need
+
 
 def header(columns: int, in_space: bool = False) -> list[str]:
     """Column names of a joint table: one of each joint, in space two."""
@@ -42,7 +44,8 @@ def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
 
 def read_any_table(path: str | Path, joint_count: int | None = None) -> tuple[Floats, bool]:
     """The same, also of a gait in space, shape (T, 2 m) [rad]; whether it is one."""
-    lines = [(line, row) for line, row in enumerate(csv_rows(read_text(path), path), start=1) if row]
+    text = read_text(path)
+    lines = [(line, row) for line, row in enumerate(csv_rows(text, path), start=1) if row]
     head = [cell.strip() for cell in lines[0][1]] if lines else []
     m = joint_count or len(head) or 2
     if Path(path).suffix.lower() == ".toml":
@@ -60,7 +63,25 @@ def read_any_table(path: str | Path, joint_count: int | None = None) -> tuple[Fl
         raise InputError(f"{path}: the header must be {names} with {joints}, got {','.join(head)[:60]!r}.")
     if len(lines) < 4:
         raise InputError(f"{path}: a gait needs at least 3 rows, got {len(lines) - 1}.")
-    return np.array([_numbers(path, line, row, head) for line, row in lines[1:]]), in_space
+    angles = np.array([_numbers(path, line, row, head) for line, row in lines[1:]])
+    if not ended(text):
+        _refuse_cut(path, lines[1:])
+    return angles, in_space
+
+
+def ended(text: str) -> bool:
+    """Whether the last line is: of a file that was cut off within its last number it is not."""
+    return text.endswith(("\n", "\r"))
+
+
+def _refuse_cut(path: str | Path, lines: list[tuple[int, list[str]]]) -> None:
+    """InputError where a last number in a line without an end is shorter than all others, and these are not short."""
+    *others, last = (cell.strip().lstrip("+-") for _, row in lines for cell in row)
+    if len(last) < min(map(len, others)) >= SHORT:
+        raise InputError(
+            f"{path}:{lines[-1][0]}: the last number, {last}, is shorter than any other, and its line has no end. Was "
+            "the file cut short? If not, end the line."
+        )
 
 
 def _numbers(path: str | Path, line: int, row: list[str], names: list[str]) -> list[float]:

@@ -199,6 +199,23 @@ def test_a_joint_table_with_a_fault_is_refused_with_row_and_column(tmp_path: Pat
         read_table(tmp_path / "none.csv", 2)
 
 
+def test_a_joint_table_that_was_cut_within_its_last_number_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "gait.csv"
+    write_table(path, np.random.default_rng(50).uniform(0.1, 1, size=(7, 3)))
+    whole = path.read_text()
+    for left in range(1, 10):  # characters of the last number
+        path.write_text(whole[: whole.rindex(",") + 1 + left])
+        with pytest.raises(InputError, match=r"gait\.csv:8: the last number, [0-9.]+, is shorter than any other"):
+            read_table(path, 3)
+
+
+@pytest.mark.parametrize("text", ["0.1,0.2\n0.3,0.4\n0.5,0", "0.1000,0.2000\n0.3000,0.4000\n0.5000,0.0000"])
+def test_a_joint_table_of_another_program_may_have_a_last_line_without_an_end(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "gait.csv"
+    path.write_text(HEADER + text)
+    np.testing.assert_array_equal(read_table(path, 2)[-1], [0.5, 0.0])
+
+
 class Listed(schema.Record):
     start: ListedStart = Field(default_factory=lambda: ListedStart())
 

@@ -27,6 +27,9 @@ def test_text_packed_by_gzip_is_read_and_a_cut_or_endless_one_refused(tmp_path, 
     path.write_bytes(gzip.compress(b"0" * 3_000_000))
     with pytest.raises(InputError, match="at most 2 MB when unpacked"):
         inputs.read_text(path, 2_000_000)
+    path.write_bytes(gzip.compress(b"0," * 20_000_000))
+    with pytest.raises(InputError, match=r"m\.csv: packed by gzip to less than a part in 100"):
+        read_tidy(path)
 
 
 @pytest.mark.parametrize(("begin", "match"), [

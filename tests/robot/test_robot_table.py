@@ -35,6 +35,18 @@ def test_radians_to_ticks_and_back_within_half_a_tick(angles, signs, zeros):
     assert np.abs(back - angles).max() <= HALF_TICK + 1e-12
 
 
+def test_a_last_line_without_an_end_is_refused_beside_a_record_and_else_a_doubt(tmp_path):
+    table = tmp_path / "gait.csv"
+    write_table(table, gait())
+    assert read_table(table).doubts == ()
+    table.write_text(table.read_text().rstrip("\n"))
+    (doubt,) = read_table(table).doubts
+    assert "gait.csv: the last line has no end. Was the file cut short within its last number?" in doubt
+    (tmp_path / "gait.json").write_text('{"cycle_duration_s": 5.0, "transient": false}')
+    with pytest.raises(InputError, match="the last line has no end. .* Write the results again"):
+        read_table(table)
+
+
 @given(ticks=st.lists(st.integers(0, 4095), min_size=10, max_size=10))
 def test_ticks_to_radians_and_back_is_exact(ticks):
     assert to_ticks(to_radians(ticks, robot()), robot()).tolist() == ticks

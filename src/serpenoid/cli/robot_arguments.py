@@ -87,7 +87,7 @@ def body_refusals(args: argparse.Namespace, table: JointTable, duration: float |
     off = stated.switched_off
     if off:
         warn(f"{' and '.join(off)} switched off in the problem file: not held")
-    warn(*stated.doubts)
+    warn(*table.doubts, *stated.doubts)
     repeated = check_repetition(table.angles, stated, getattr(args, "cycles", 1))
     if args.no_joint_limits:
         warn("--no-joint-limits: the limits of the results' body are not held")

@@ -24,6 +24,7 @@ from serpenoid.errors import InputError
 
 SETTINGS_BYTES = 20_000_000  # problem, model, robot, campaign and result files, joint tables
 RECORDING_BYTES = 1_000_000_000  # an hour of a hundred markers at 100 frames/s as text
+DENSEST = 100  # times what it is packed to: recordings as text are packed to a fifth or a twentieth
 DEEPEST = 32  # sections within sections; what the package writes has 7
 CELL_CHARACTERS = 100_000
 GZIP = b"\x1f\x8b"
@@ -97,13 +98,18 @@ def first_line(path: Path) -> str:
 
 
 def _unpacked(data: bytes, path: str | Path, most: int) -> bytes:
+    likely = max(SETTINGS_BYTES, DENSEST * len(data))
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
-            found = stream.read(most + 1)
+            found = stream.read(min(most, likely) + 1)
     except (OSError, EOFError, zlib.error) as error:
         raise InputError(f"{path}: packed by gzip, and cannot be unpacked ({error}). Was the copy cut off?") from None
     if len(found) > most:
         raise InputError(f"{path}: must be at most {most / 1e6:g} MB when unpacked. Is it the right file?")
+    if len(found) > likely:
+        raise InputError(
+            f"{path}: packed by gzip to less than a part in {DENSEST}, which no recording is. Is it the right file?"
+        )
     return found
 
 

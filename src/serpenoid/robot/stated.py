@@ -86,12 +86,17 @@ def own_record(table: Path) -> Path:
     return table.with_suffix(".json")
 
 
-def read_stated(table: Path) -> Stated:
-    """Read a table's own record, or its folder's; nothing is stated where there is none. InputError if it is broken
-    or lacks what a robot needs."""
-    remedy = "Write the results again, or copy joint_table.csv to a folder of its own and play that."
+def record_of(table: Path) -> Path | None:
+    """A table's own record, or its folder's."""
     records = own_record(table), *(table.parent / name for name in RECORDS)
-    file = next((record for record in records if record.exists()), None)
+    return next((record for record in records if record.exists()), None)
+
+
+def read_stated(table: Path) -> Stated:
+    """What `record_of` a table says; nothing is stated where there is none. InputError if it is broken or lacks what a
+    robot needs."""
+    remedy = "Write the results again, or copy joint_table.csv to a folder of its own and play that."
+    file = record_of(table)
     if file is None:
         return Stated()
     try:

@@ -13,20 +13,23 @@ from numpy.typing import NDArray
 
 from serpenoid import table_file
 from serpenoid.errors import InputError
-from serpenoid.robot.stated import Stated, read_stated
+from serpenoid.files.inputs import read_text
+from serpenoid.robot.stated import Stated, read_stated, record_of
 
 
 @dataclass(frozen=True)
 class JointTable:
     """T: steps, m: joints; `angles` (T, m) [rad], of a transient (T + 1, m); `stated`: what the results say of them.
 
-    in_space: a joint has yaw and pitch, `angles` 2 m columns; such a table is written, not played.
+    in_space: a joint has yaw and pitch, `angles` 2 m columns; such a table is written, not played. doubts: what is to
+    be known of the file before a robot plays it.
     """
 
     angles: NDArray[np.float64]
     source: Path
     stated: Stated = Stated()
     in_space: bool = False
+    doubts: tuple[str, ...] = ()
 
     @property
     def steps(self) -> int:
@@ -57,7 +60,12 @@ def read_table(path: str | Path, any_table: bool = False) -> JointTable:
         remedy = "Name a results folder (with joint_table.csv in it) or a joint-table CSV."
         raise InputError(f"{file}: no such file. {remedy}")
     angles, in_space = table_file.read_any_table(file) if any_table else (table_file.read_table(file), False)
-    return JointTable(angles, file, read_stated(file), in_space)
+    doubts: tuple[str, ...] = ()
+    if not table_file.ended(read_text(file)):
+        doubts = (f"{file}: the last line has no end. Was the file cut short within its last number?",)
+        if record_of(file) is not None:  # written here, where every line has one
+            raise InputError(f"{doubts[0]} Write the results again; if a program of your own wrote it, end the line.")
+    return JointTable(angles, file, read_stated(file), in_space, doubts)
 
 
 def write_table(path: str | Path, angles: NDArray[np.float64], in_space: bool = False) -> None:
