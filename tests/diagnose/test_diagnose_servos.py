@@ -695,7 +695,7 @@ def test_laws_side_by_side_play_as_each_alone() -> None:
     lags = [ActiveEffect.of("servo_lag", lag=lag) for lag in (0.05, 0.1)]
     sets = [(), (gap,), (gap, lags[0]), (gap, lags[1]), (lags[1], ActiveEffect.of("servo_delay", delay=0.03))]
     models = [Model(body, medium, effects) for effects in sets]
-    times = [np.linspace(0, 2, 50), np.linspace(0, 3, 40)]
+    times = [np.linspace(0, 2, 50), np.linspace(0, 3, 2500)]
     told = [np.sin(3 * time[:, None] + np.arange(3)) for time in times]
     came_from = [np.array([0.2, 0.4, -0.3]), np.zeros(3)]
     every = readings_of_each(models, told, times, came_from)

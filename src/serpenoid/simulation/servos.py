@@ -70,21 +70,32 @@ def readings_of_each(
         joints = [j for j, _ in columns]
         theta = np.ascontiguousarray(np.transpose([np.frombuffer(own) for _, own in columns]))
         for trial, (asked, time, rested) in enumerate(zip(setpoints, times, came_from, strict=True)):
-            readings = _played(theta, asked.take(joints, axis=1), time, rested[joints]).readings
-            for n, place in places.items():
-                found[n][trial] = readings.take(place, axis=1)
+            rows, durations, at = _rows(asked, time, late)
+            memory = np.tile(rested[joints], (memories(), 1))
+            read = {n: np.empty((len(durations), asked.shape[1])) for n in places}
+            for first in range(0, len(durations), CHUNK):  # large arrays are new memory every time, and slow
+                part, told = slice(first, first + CHUNK), rows[first : first + CHUNK + 1].take(joints, axis=1)
+                _, readings, memory = play(memory, told, durations[part], theta)
+                for n, place in places.items():
+                    read[n][part] = readings.take(place, axis=1)
+            for n in places:
+                found[n][trial] = read[n] if at is None else read[n][at]
     return found
 
 
 def _played(theta: Floats, setpoints: Floats, times: Floats, rested: Floats) -> Realised:
-    """Columns of joints with coordinates theta (P, C), told set-points (R, C), that came to rest from angles (C,)."""
-    late = late_by(theta)
-    delayed = late and len(times) > 1
-    told, mesh, at = asked_earlier(setpoints, times, late) if delayed else (setpoints, times, None)
-    # a first step on the spot gives the first row's angles
-    rows, durations = np.concatenate([told[:1], told]), np.concatenate([[RESTED_S], np.diff(mesh)])
+    """Joints with coordinates theta (P, m), told set-points (R, m), that came to rest from angles (m,)."""
+    rows, durations, at = _rows(setpoints, times, late_by(theta))
     angles, readings, _ = play(np.tile(rested, (memories(), 1)), rows, durations, theta)
     return Realised(angles, readings) if at is None else Realised(angles[at], readings[at])
+
+
+def _rows(setpoints: Floats, times: Floats, late: float) -> tuple[Floats, Floats, NDArray[np.int64] | None]:
+    """What servos are told that are so late [s], after a first step on the spot, which gives the first row's angles;
+    durations of the steps; and at which of them `times` are, if not at all."""
+    delayed = late and len(times) > 1
+    told, mesh, at = asked_earlier(setpoints, times, late) if delayed else (setpoints, times, None)
+    return np.concatenate([told[:1], told]), np.concatenate([[RESTED_S], np.diff(mesh)]), at
 
 
 def late_by(theta: Floats) -> float:
