@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from serpenoid.diagnose.data import beside_course
 from serpenoid.diagnose.data.course import Course
 
 
@@ -32,3 +33,19 @@ def test_a_course_that_jumps_is_met_at_every_moment_of_a_row(late: float) -> Non
     assert course.late(time, readings, 1.0, apart) == pytest.approx(late, abs=1e-3)
     if late == 0.33:  # two thirds of a row: the slopes' own steps end elsewhere
         assert course.late(time, readings, 1.0) != pytest.approx(late, abs=1e-2)
+
+
+@pytest.mark.parametrize("count", [1, 2, 40])
+def test_what_readings_miss_of_a_course_is_the_same_where_no_compiler_is(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(count)
+    course = Course(np.cumsum(rng.choice([1e-6, 0.1, 0.7], count)), rng.normal(size=(count, 3)))
+    time = np.sort(rng.uniform(course.time[0] - 1, course.time[-1] + 1, 200))
+    readings = np.where(rng.uniform(size=(200, 3)) < 0.1, np.nan, rng.normal(size=(200, 3)))
+    late = rng.uniform(-2, 2, 7)
+    found = beside_course.missed(course, time, readings, late)
+    squares = [np.nansum((readings - course.at(time - by)) ** 2) for by in late]
+    np.testing.assert_allclose(found[:, 0], squares, rtol=1e-9)
+    monkeypatch.setattr(beside_course, "_missed", lambda: None)
+    np.testing.assert_allclose(beside_course.missed(course, time, readings, late), found, rtol=1e-9)

@@ -27,6 +27,8 @@ from serpenoid.diagnose.diagnose import verdict
 from serpenoid.diagnose.inference.finding import Named, Stage
 from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
 from serpenoid.diagnose.stages.actuation_by_joint import fit_everywhere
+from serpenoid.diagnose.stages.actuation_refit import refined
+from serpenoid.diagnose.stages.actuation_search import Played
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.choose_actuation import choose_actuation, noise_at_rest, off_by_rounding
 from serpenoid.diagnose.stages.choose_set_points import plays
@@ -38,7 +40,7 @@ from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import TICK
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.simulation.servos import realise_all
+from serpenoid.simulation.servos import readings_of_each, realise_all
 
 SEED, JOINTS = 71, 6
 
@@ -685,6 +687,31 @@ def test_a_gap_remembers_where_a_trial_came_to_rest_from_and_what_follows_does_n
     np.testing.assert_allclose(rested.angles[:, 1], 0.04, atol=0.02)
     assert rested.angles[0, 1] == pytest.approx(0.04)
     np.testing.assert_allclose(plain.angles[:, 1], 0.0, atol=1e-12)
+
+
+def test_laws_side_by_side_play_as_each_alone() -> None:
+    body, medium = Body(vertices=5, edge_lengths=(0.1,) * 4), Medium(anisotropy_ratio=0.2)
+    gap = ActiveEffect.of("backlash", 2, width=0.1)
+    lags = [ActiveEffect.of("servo_lag", lag=lag) for lag in (0.05, 0.1)]
+    sets = [(), (gap,), (gap, lags[0]), (gap, lags[1]), (lags[1], ActiveEffect.of("servo_delay", delay=0.03))]
+    models = [Model(body, medium, effects) for effects in sets]
+    times = [np.linspace(0, 2, 50), np.linspace(0, 3, 2500)]
+    told = [np.sin(3 * time[:, None] + np.arange(3)) for time in times]
+    came_from = [np.array([0.2, 0.4, -0.3]), np.zeros(3)]
+    every = readings_of_each(models, told, times, came_from)
+    for model, found in zip(models, every, strict=True):
+        for mine, alone in zip(found, realise_all(model, told, times, came_from), strict=True):
+            np.testing.assert_array_equal(mine, alone.readings)
+
+
+def test_what_a_law_is_worth_to_first_order_is_what_a_fit_without_it_loses(four: tuple[Recording, ...]) -> None:
+    data = plays([reading(reading(r, 3, lambda t, told: 0.9 * told), 5, lambda t, told: 0.8 * told) for r in four])
+    laws = [ActiveEffect.of("gain_loss", joint, loss=0.05) for joint in (3, 5)]
+    best = Played(data, refined(data, laws))
+    for index, worth in enumerate(best.worth(range(2))):
+        lost = Played(data, refined(data, [laws[1 - index]])).priced.chi2 - best.priced.chi2
+        assert lost > 1000
+        assert worth == pytest.approx(lost, rel=0.05)
 
 
 @pytest.mark.slow

@@ -40,24 +40,62 @@ def realise(model: Model, setpoints: Floats, times: Floats) -> Realised:
 
 
 def realise_all(
-    model: Model, setpoints: Sequence[Floats], times: Sequence[Floats], some: slice = slice(None),
-    came_from: Sequence[Floats] | None = None,
-) -> list[Realised]:  # fmt: skip
-    """Several trials; of all joints, or of some. came_from: angles (m,) [rad] from which each trial came to rest on its
-    first row, which gaps that were not crossed then remember; else that row."""
-    setpoints = [s[:, some] for s in setpoints]
+    model: Model, setpoints: Sequence[Floats], times: Sequence[Floats], came_from: Sequence[Floats] | None = None
+) -> list[Realised]:
+    """Several trials. came_from: angles (m,) [rad] from which each trial came to rest on its first row, which gaps that
+    were not crossed then remember; else that row."""
     if not model.actuation_effects:
         return [Realised(s, s) for s in setpoints]
-    theta = np.ascontiguousarray(coordinates(model)[:, some])
-    begun = [s[0] for s in setpoints] if came_from is None else [c[some] for c in came_from]
-    found, late = [], late_by(theta)
-    for asked, time, rested in zip(setpoints, times, begun, strict=True):
-        told, mesh, at = asked_earlier(asked, time, late) if late and len(time) > 1 else (asked, time, slice(None))
-        # a first step on the spot gives the first row's angles
-        rows, durations = np.concatenate([told[:1], told]), np.concatenate([[RESTED_S], np.diff(mesh)])
-        angles, readings, _ = play(np.tile(rested, (memories(), 1)), rows, durations, theta)
-        found.append(Realised(angles[at], readings[at]))
+    theta = coordinates(model)
+    begun = [s[0] for s in setpoints] if came_from is None else came_from
+    return [_played(theta, *of_trial) for of_trial in zip(setpoints, times, begun, strict=True)]
+
+
+def readings_of_each(
+    models: Sequence[Model], setpoints: Sequence[Floats], times: Sequence[Floats], came_from: Sequence[Floats],
+    some: slice = slice(None),
+) -> list[list[Floats]]:  # fmt: skip
+    """The readings (R, m) of several trials by each of several models, of all joints or of some: side by side, which
+    takes little longer than one joint alone, and once of joints that do the same in several models."""
+    setpoints, came_from = [s[:, some] for s in setpoints], [c[some] for c in came_from]
+    found = [list(setpoints) for _ in models]
+    thetas = {n: coordinates(model)[:, some] for n, model in enumerate(models) if model.actuation_effects}
+    for late in {late_by(theta) for theta in thetas.values()}:
+        columns: dict[tuple[int, bytes], int] = {}  # by joint and coordinates
+        places = {
+            n: [columns.setdefault((j, own.tobytes()), len(columns)) for j, own in enumerate(theta.T)]
+            for n, theta in thetas.items()
+            if late_by(theta) == late
+        }
+        joints = [j for j, _ in columns]
+        theta = np.ascontiguousarray(np.transpose([np.frombuffer(own) for _, own in columns]))
+        for trial, (asked, time, rested) in enumerate(zip(setpoints, times, came_from, strict=True)):
+            rows, durations, at = _rows(asked, time, late)
+            memory = np.tile(rested[joints], (memories(), 1))
+            read = {n: np.empty((len(durations), asked.shape[1])) for n in places}
+            for first in range(0, len(durations), CHUNK):  # large arrays are new memory every time, and slow
+                part, told = slice(first, first + CHUNK), rows[first : first + CHUNK + 1].take(joints, axis=1)
+                _, readings, memory = play(memory, told, durations[part], theta)
+                for n, place in places.items():
+                    read[n][part] = readings.take(place, axis=1)
+            for n in places:
+                found[n][trial] = read[n] if at is None else read[n][at]
     return found
+
+
+def _played(theta: Floats, setpoints: Floats, times: Floats, rested: Floats) -> Realised:
+    """Joints with coordinates theta (P, m), told set-points (R, m), that came to rest from angles (m,)."""
+    rows, durations, at = _rows(setpoints, times, late_by(theta))
+    angles, readings, _ = play(np.tile(rested, (memories(), 1)), rows, durations, theta)
+    return Realised(angles, readings) if at is None else Realised(angles[at], readings[at])
+
+
+def _rows(setpoints: Floats, times: Floats, late: float) -> tuple[Floats, Floats, NDArray[np.int64] | None]:
+    """What servos are told that are so late [s], after a first step on the spot, which gives the first row's angles;
+    durations of the steps; and at which of them `times` are, if not at all."""
+    delayed = late and len(times) > 1
+    told, mesh, at = asked_earlier(setpoints, times, late) if delayed else (setpoints, times, None)
+    return np.concatenate([told[:1], told]), np.concatenate([[RESTED_S], np.diff(mesh)]), at
 
 
 def late_by(theta: Floats) -> float:

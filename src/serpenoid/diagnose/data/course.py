@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.beside_course import missed
 
 MEETINGS = 9  # steps in which it is found how late a course is read: each far smaller than the last
 MET_S = 1e-6  # a step that ends them
 WITHIN = 12  # moments within a row, and again between two of these
-COURSES = 16  # of a joint, that are kept
-SOME = 100  # a course's rows from one to the next that it is looked up by
 LOOKED_AT = 500  # readings of a trial that say about when it began (results/benchmarks/late_starts.md)
 
 
@@ -71,11 +70,6 @@ class Course:
         """Time to the next row (C,) [s], of the last any."""
         return np.append(np.diff(self.time), 1.0)
 
-    @cached_property
-    def by_joint(self) -> Floats:
-        """Of each joint, its angles (m, C) [rad]."""
-        return np.ascontiguousarray(self.angles.T)
-
 
 @dataclass(frozen=True)
 class Readings:
@@ -84,7 +78,6 @@ class Readings:
 
     apart [s]: of rows that jump, 0 if none do. Readings amid a jump alone say which way a course that jumps is off, so
     that within a row it is looked for at every moment. That is done by some of them (LOOKED_AT), from there all say.
-    What a joint's readings miss of a course at a moment is kept: from fit to fit most joints play the same.
     """
 
     time: Floats
@@ -97,8 +90,8 @@ class Readings:
         if not self.apart:
             return self._met(course, 0.0)
         late = self._some._about(course)
-        nearer = self._met(course, late)
-        return min((late, nearer), key=lambda t: float(np.nansum((self.angles - course.at(self.time - t)) ** 2)))
+        both = np.array([late, self._met(course, late)])
+        return float(both[self._missed(course, both)[:, 0].argmin()])
 
     @cached_property
     def _some(self) -> Readings:
@@ -112,68 +105,19 @@ class Readings:
         for step in (self.apart / WITHIN, self.apart / WITHIN**2):
             most = int(np.ceil(self.near / step))  # the last one is at the end
             moments = np.unique(np.clip(round(late / step) + np.arange(-WITHIN, WITHIN + 1), -most, most))
-            best = int(moments[np.argmin(self._missed(course, step, moments))])
-            late = min(max(best * step, -self.near), self.near)
+            tried = np.clip(moments * step, -self.near, self.near)
+            late = float(tried[self._missed(course, tried)[:, 0].argmin()])
         return late
-
-    def _missed(self, course: Course, step: float, moments: np.ndarray) -> Floats:
-        """Sums of squares (K,) [rad^2] of what readings miss at each of the moments (K,), in steps [s]."""
-        total, asked = np.zeros(len(moments)), moments.tolist()
-        places: dict[tuple[int, ...], tuple[NDArray[np.int64], Floats]] = {}  # of readings, which all joints share
-        for joint, angles in enumerate(course.by_joint):
-            mine = self._of_course(joint, angles)
-            new = tuple(n for n in asked if (step, n) not in mine)
-            if new:
-                if new not in places:
-                    late = np.clip(step * np.array(new), -self.near, self.near)[:, None]
-                    places[new] = course.places(self.time - late)
-                row, ahead = places[new]
-                if not self._known[:, joint].all():
-                    row, ahead = row[:, self._known[:, joint]], ahead[:, self._known[:, joint]]
-                here = angles.take(row)
-                left = angles.take(course.following.take(row))
-                left -= here
-                left /= course.apart.take(row)
-                left *= ahead
-                left += here
-                left -= self._read[joint]
-                mine.update(zip([(step, n) for n in new], np.einsum("kr,kr->k", left, left).tolist(), strict=True))
-            total += [mine[step, n] for n in asked]
-        return total
-
-    def _of_course(self, joint: int, angles: Floats) -> dict[tuple[float, int], float]:
-        """What a joint's readings missed of a course (C,), by step and moment; some of its angles find it."""
-        kept, some = self._kept[joint], angles[::SOME].tobytes()
-        if some not in kept or not np.array_equal(kept[some][0], angles):
-            kept[some] = angles, {}
-        if len(kept) > COURSES:
-            del kept[next(iter(kept))]
-        return kept[some][1]
-
-    @cached_property
-    def _known(self) -> NDArray[np.bool_]:
-        """What was read (R, m)."""
-        return np.isfinite(self.angles)
-
-    @cached_property
-    def _read(self) -> list[Floats]:
-        """Of each joint, what was read."""
-        return [self.angles[known, joint] for joint, known in enumerate(self._known.T)]
-
-    @cached_property
-    def _kept(self) -> list[dict[bytes, tuple[Floats, dict[tuple[float, int], float]]]]:
-        """Of each joint, of its last courses, their angles and what was missed."""
-        return [{} for _ in range(self.angles.shape[1])]
 
     def _met(self, course: Course, late: float) -> float:
         """By Gauss-Newton, from `late` on."""
-        unknown = ~self._known
         for _ in range(MEETINGS):
-            angles, rate = course.followed(self.time - late)
-            missed = self.angles - angles
-            missed[unknown] = rate[unknown] = 0.0
-            change = float((missed * rate).sum() / max(float((rate**2).sum()), 1e-12))
-            late, before = float(np.clip(late - change, -self.near, self.near)), late
+            _, pull, power = self._missed(course, np.array([late]))[0]
+            late, before = float(np.clip(late - pull / max(power, 1e-12), -self.near, self.near)), late
             if abs(late - before) < MET_S:
                 break
         return late
+
+    def _missed(self, course: Course, late: Floats) -> Floats:
+        """See `missed`."""
+        return missed(course, self.time, self.angles, late)

@@ -58,17 +58,23 @@ def fit_everywhere(
         return []
     columns = slice(0, 1) if kind.place is None else np.array([j - 1 for j in places if j is not None])
 
-    without, realised = (data.realised(base), data.realised) if only is None else data.at_joint(only, base)
+    without, each = (data.realised(base), data.realised_each) if only is None else data.at_joint(only, base)
+
+    def with_these(x: Floats) -> list[ActiveEffect]:
+        effects = [ActiveEffect.neutral(name, place).with_coordinates(v) for place, v in zip(places, x.T, strict=True)]
+        return [*base, *effects]
+
+    def play_each(several: Sequence[Floats]) -> list[Floats]:
+        return each([with_these(x) for x in several])
 
     def play(x: Floats) -> Floats:
-        effects = [ActiveEffect.neutral(name, place).with_coordinates(v) for place, v in zip(places, x.T, strict=True)]
-        return realised([*base, *effects])
+        return play_each([x])[0]
 
     def own(by_joint: Floats) -> Floats:
         return by_joint.sum(keepdims=True) if kind.place is None else by_joint[columns]
 
     begun = [np.atleast_2d(start)[:, columns] for start in starts]
-    tried = [own(data.chi2(play(x))) for x in begun] if len(begun) > 1 else [np.zeros(len(places))]
+    tried = [own(data.chi2(x)) for x in play_each(begun)] if len(begun) > 1 else [np.zeros(len(places))]
     values = np.choose(np.argmin(tried, axis=0), begun)
     if data.held and any(p.across for p in parameters):
         values = _narrowed(values, lambda x: own(data.chi2(play(x))))
@@ -78,7 +84,7 @@ def fit_everywhere(
     best = play(values)
     left, damping = data.left(best), np.ones(len(places))
     for _ in range(STEPS):
-        moved = [play(values + step) for step in small]
+        moved = play_each([values + step for step in small])
         slopes = [(left - data.left(x)) / size for x, size in zip(moved, sizes, strict=True)]
         # what is left is at the best moves of clocks, so that only the bare slope turns it into the gradient
         bare = [(x - best) / size for x, size in zip(moved, sizes, strict=True)]
@@ -99,7 +105,7 @@ def fit_everywhere(
             break
     cost, empty, joint = data.sizes(left), data.chi2(without), np.arange(data.readings.shape[1])
     if isinstance(kind, ActuationEffect) and kind.memory:  # a gap that is never crossed may be any wider, and is none
-        idle = np.all([play(values + step) == best for step in small], axis=(0, 1))
+        idle = np.all([x == best for x in play_each([values + step for step in small])], axis=(0, 1))
         cost = np.where(idle, empty, cost)
     by_place = [cost if p is None else np.where(joint == p - 1, cost, empty) for p in places]
     pairs = zip(places, values.T, by_place, strict=True)

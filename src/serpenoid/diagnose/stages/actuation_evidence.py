@@ -7,6 +7,7 @@ Legend: R log rows of all trials, m joints, P parameters of an effect.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import islice
 
 import numpy as np
 
@@ -29,25 +30,23 @@ def needed(data: Plays, chosen: Sequence[ActiveEffect]) -> float:
     """
     here = data.realised(chosen)
     left = data.left(here)
-    own = [slope for e in chosen for slope in slopes_of(data, chosen, e, here)[1]]
-    everywhere: list[Floats] = []
-    at_joint: list[Floats] = []
-    for kind in shown(data):
-        if kind.place is None and any(e.name == kind.name for e in chosen):
-            continue
-        columns = [_changed(data, chosen, kind, start, left) for start in kind.starts(data.readings, data.quickest)]
-        (everywhere if kind.place is None else at_joint).extend(columns)
+    own = [slope for _, missed in slopes_of_each(data, chosen, chosen, here) for slope in missed]
+    kinds = [k for k in shown(data) if k.place is not None or all(e.name != k.name for e in chosen)]
+    begun = [(kind, start) for kind in kinds for start in kind.starts(data.readings, data.quickest)]
+    played = data.realised_each([_beside(data, chosen, kind, start) for kind, start in begun])
+    changed = [data.slope(left, p, 1.0) / data.noise for p in played]
+    everywhere = [c for (kind, _), c in zip(begun, changed, strict=True) if kind.place is None]
+    at_joint = [c for (kind, _), c in zip(begun, changed, strict=True) if kind.place is not None]
     return largest_by_chance([_scored(data, left / data.noise, own, everywhere, at_joint)])
 
 
-def _changed(data: Plays, chosen: Sequence[ActiveEffect], kind: ActuationEffect, start: Floats, left: Floats) -> Floats:
-    """What an effect everywhere changes of what is left (R, m), in units of noise."""
+def _beside(data: Plays, chosen: Sequence[ActiveEffect], kind: ActuationEffect, start: Floats) -> list[ActiveEffect]:
+    """An effect everywhere beside the chosen."""
     places, start = places_of(kind, data), np.atleast_2d(start)
     resting, typical = (np.array([[x] for x in f]) for f in _rests(kind.parameters))
     moderate = np.where(start == resting, typical, start)
     tried = [ActiveEffect.neutral(kind.name, p).with_coordinates(moderate[:, (p or 1) - 1]) for p in places]
-    kept = [e for e in chosen if e.key not in {t.key for t in tried}]
-    return data.slope(left, data.realised([*kept, *tried]), 1.0) / data.noise
+    return [*(e for e in chosen if e.key not in {t.key for t in tried}), *tried]
 
 
 def _rests(parameters: Sequence[Parameter]) -> tuple[list[float], list[float]]:
@@ -77,15 +76,33 @@ def _scored(
 def slopes_of(data: Plays, chosen: Sequence[ActiveEffect], effect: ActiveEffect, here: Floats) -> tuple[Floats, Floats]:
     """Of what is played where it is read, and of what is left at the best shifts in time, by one chosen effect's
     coordinates, in units of noise (P, R, m); here: what all of them play."""
-    others = [e for e in chosen if e.key != effect.key]
-    late = data.met(chosen)[1] if isinstance(effect.effect, ActuationEffect) and effect.effect.dead_time else None
-    left, played, missed = data.left(here), [], []
-    for k, (p, x) in enumerate(zip(effect.effect.parameters, effect.coordinates, strict=False)):
-        little = 1e-4 * max(abs(x), 1e-3 * abs(p.coordinate(p.typical)))
-        step = (p.across if data.held else 0.0) or little
-        effects = [*others, effect.moved(k, step)]
-        moved = data.realised(effects)
-        bare = moved if late is None else data.begun_at(effects, late)  # a start that is open would follow it
-        played.append(np.where(data.read, bare - here, 0.0) / step / data.noise)
-        missed.append(data.slope(left, moved, step) / data.noise)
-    return np.stack(played), np.stack(missed)
+    return slopes_of_each(data, chosen, [effect], here)[0]
+
+
+def slopes_of_each(
+    data: Plays, chosen: Sequence[ActiveEffect], some: Sequence[ActiveEffect], here: Floats
+) -> list[tuple[Floats, Floats]]:
+    """The same of each of some."""
+    left, steps = data.left(here), [_steps(e, data.held) for e in some]
+    sets = [
+        [*(other for other in chosen if other.key != e.key), e.moved(k, step)]
+        for e, every in zip(some, steps, strict=True)
+        for k, step in enumerate(every)
+    ]
+    moved, found = iter(zip(sets, data.realised_each(sets), strict=True)), []
+    for e, every in zip(some, steps, strict=True):
+        delays = isinstance(e.effect, ActuationEffect) and e.effect.dead_time
+        played, missed = [], []
+        for step, (effects, angles) in zip(every, islice(moved, len(every)), strict=True):
+            # a start that is open would follow it
+            bare = data.begun_at([effects], data.met(chosen)[1])[0] if delays else angles
+            played.append(np.where(data.read, bare - here, 0.0) / step / data.noise)
+            missed.append(data.slope(left, angles, step) / data.noise)
+        found.append((np.stack(played), np.stack(missed)))
+    return found
+
+
+def _steps(effect: ActiveEffect, held: bool) -> list[float]:
+    """By how much each coordinate is moved."""
+    pairs = zip(effect.effect.parameters, effect.coordinates, strict=False)
+    return [(p.across if held else 0.0) or 1e-4 * max(abs(x), 1e-3 * abs(p.coordinate(p.typical))) for p, x in pairs]

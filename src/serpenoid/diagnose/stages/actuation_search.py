@@ -13,6 +13,7 @@ from serpenoid.diagnose.inference.finding import VISIBLE
 from serpenoid.diagnose.inference.prices import Priced, cheapest, gained_by_chance
 from serpenoid.diagnose.stages.actuation_by_joint import Attempt
 from serpenoid.diagnose.stages.actuation_candidates import places_of, shown
+from serpenoid.diagnose.stages.actuation_evidence import needed, slopes_of_each
 from serpenoid.diagnose.stages.actuation_refit import refined, with_laws
 from serpenoid.diagnose.stages.plays import Plays
 from serpenoid.effects.active import ActiveEffect
@@ -43,6 +44,27 @@ class Played:
     def size(self) -> int:
         """See `Explanation`."""
         return len(self.effects)
+
+    @cached_property
+    def needed(self) -> float:
+        """Chi squared that each effect must take away."""
+        return needed(self.data, self.effects)
+
+    def worth(self, some: Sequence[int]) -> list[float]:
+        """Chi squared that each of some effects takes away, by index, the others fitted again to first order."""
+        every = [slopes for _, slopes in slopes_of_each(self.data, self.effects, self.effects, self.angles)]
+        without = self.data.realised_each([self.effects[:i] + self.effects[i + 1 :] for i in some])
+        return [self._left_to_first_order(i, every, p) - self.priced.chi2 for i, p in zip(some, without, strict=True)]
+
+    def _left_to_first_order(self, index: int, every: Sequence[np.ndarray], played: np.ndarray) -> float:
+        """Chi squared of what is played (R, m) without an effect, the others moved along their slopes (P, R, m)."""
+        left = self.data.left(played) / self.data.noise
+        slopes = [slope for i, own in enumerate(every) if i != index for slope in own]
+        if not slopes:
+            return float((left**2).sum())
+        columns = np.reshape(slopes, (len(slopes), -1))
+        pull = columns @ left.ravel()
+        return float((left**2).sum() - pull @ np.linalg.lstsq(columns @ columns.T, pull)[0])
 
     @property
     def followed(self) -> bool:

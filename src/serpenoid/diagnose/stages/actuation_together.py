@@ -39,7 +39,7 @@ def fit_together(data: Plays, chosen: Sequence[ActiveEffect], steps: float = np.
     left, taken = data.left(here), 0
     while True:
         cost = float(data.sizes(left).sum())
-        moved = [data.begun_at(at(values + np.where(sets == k, small, 0.0)), late) for k in range(sets.max() + 1)]
+        moved = data.begun_at([at(values + np.where(sets == k, small, 0.0)) for k in range(sets.max() + 1)], late)
         change = [_at_place(moved[k] - here, e) for k, e in zip(sets, owner, strict=True)]
         slopes = np.stack([data.slope(left, here + c, x) for c, x in zip(change, small, strict=True)]) / data.noise
         # what is left is at the best moves of clocks, so that only the bare change turns it into the gradient

@@ -14,7 +14,7 @@ from serpenoid.diagnose.inference.finding import VISIBLE, Divided, Named, Rival,
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
 from serpenoid.diagnose.inference.prices import earned, most_gained
 from serpenoid.diagnose.stages.actuation_by_joint import Attempt, attempts
-from serpenoid.diagnose.stages.actuation_evidence import needed, slopes_of
+from serpenoid.diagnose.stages.actuation_evidence import slopes_of
 from serpenoid.diagnose.stages.actuation_refit import refined
 from serpenoid.diagnose.stages.actuation_search import Played, each_its_own, next_one, numbers_of, of_all_anew
 from serpenoid.diagnose.stages.displaced_markers import displaced_marker
@@ -29,6 +29,7 @@ from serpenoid.parallel import in_processes
 
 AT_MOST = 7  # effects; two more than joints where these are many: all servos may be weak
 DISPLACED = "no servo need be the cause"
+PLAINLY = 10.0  # times what is needed: first order is not off by as much
 AT_REST = 0.1  # of a tick, from one reading to the next
 
 
@@ -119,7 +120,7 @@ def _exchanged(best: Played, grown: Played, bare: Played) -> Played:
 
 def _earned(best: Played, bare: Played) -> Played:
     """Without what does not earn its name."""
-    return earned(best, bare, _each_without, lambda found: needed(found.data, found.effects))
+    return earned(best, bare, _each_without, lambda found: found.needed)
 
 
 def beside_a_larger(data: Plays, every: Sequence[Named]) -> list[Named]:
@@ -211,14 +212,16 @@ def _rivals(best: Played, effect: ActiveEffect, singles: list[Attempt]) -> list[
     return found
 
 
-def _each_without(best: Played, some: Sequence[int]) -> list[Played]:
-    """Without each of some effects, by index."""
-    tasks = [(refined, (best.data, _others(best, i), best.effects[i])) for i in some]
-    return [Played(best.data, effects) for effects in in_processes(tasks)]
+def _each_without(best: Played, some: Sequence[int]) -> list[Played | None]:
+    """Without each of some effects, by index; None of one that to first order takes away far more than is needed."""
+    plain = [worth > PLAINLY * best.needed for worth in best.worth(some)]
+    asked = [i for i, cause in zip(some, plain, strict=True) if not cause]
+    found = iter(in_processes([(refined, (best.data, _others(best, i), best.effects[i])) for i in asked]))
+    return [None if cause else Played(best.data, next(found)) for cause in plain]
 
 
 def _without(best: Played, index: int) -> Played:
-    return _each_without(best, [index])[0]
+    return Played(best.data, refined(best.data, _others(best, index), best.effects[index]))
 
 
 def _others(best: Played, index: int) -> list[ActiveEffect]:

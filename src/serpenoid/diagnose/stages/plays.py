@@ -10,7 +10,7 @@ Legend: R log rows of all trials, m joints.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -29,7 +29,9 @@ from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.simulation.servos import realise_all
+from serpenoid.simulation.servos import readings_of_each
+
+SIDE_BY_SIDE = 4  # sets of effects: what they play is kept until it is sampled
 
 
 @dataclass(frozen=True)
@@ -163,20 +165,35 @@ class Plays:
         """What the servos would read (R, m) with these effects, in place of or after the known ones."""
         return self.met(effects)[0]
 
+    def realised_each(self, several: Sequence[Sequence[ActiveEffect]]) -> list[Floats]:
+        """The same with each of several effects, side by side."""
+        return [self._sampled(played, self._begun(played)) for played in self._played_each(several)]
+
     def met(self, effects: Sequence[ActiveEffect]) -> tuple[Floats, list[float | None]]:
         """The same, and how late each trial begins so [s]: where readings are met best; None where that is known."""
         played = self._played(effects)
-        late = [self._begun_late(number, p) for number, p in enumerate(played)]
+        late = self._begun(played)
         return self._sampled(played, late), late
 
-    def begun_at(self, effects: Sequence[ActiveEffect], late: Sequence[float | None]) -> Floats:
-        """The same where each trial begins so late [s]."""
-        return self._sampled(self._played(effects), late)
+    def begun_at(self, several: Sequence[Sequence[ActiveEffect]], late: Sequence[float | None]) -> list[Floats]:
+        """The same with each of several effects where each trial begins so late [s]."""
+        return [self._sampled(played, late) for played in self._played_each(several)]
 
-    def _played(self, effects: Sequence[ActiveEffect], some: slice = slice(None)) -> list[Floats]:
-        """What the servos do (K, m) on each trial's mesh, or some of them."""
-        every = realise_all(self.model(effects), self.setpoints, self.meshes, some, self._came_from)
-        return [p.readings for p in every]
+    def _played(self, effects: Sequence[ActiveEffect]) -> list[Floats]:
+        """What the servos do (K, m) on each trial's mesh."""
+        return next(self._played_each([effects]))
+
+    def _played_each(
+        self, several: Sequence[Sequence[ActiveEffect]], some: slice = slice(None)
+    ) -> Iterator[list[Floats]]:
+        """The same with each of several effects, or some joints of it."""
+        for first in range(0, len(several), SIDE_BY_SIDE):
+            models = [self.model(effects) for effects in several[first : first + SIDE_BY_SIDE]]
+            yield from readings_of_each(models, self.setpoints, self.meshes, self._came_from, some)
+
+    def _begun(self, played: Sequence[Floats]) -> list[float | None]:
+        """How late each trial begins that plays so (K, m)."""
+        return [self._begun_late(number, p) for number, p in enumerate(played)]
 
     def _sampled(self, played: Sequence[Floats], late: Sequence[float | None]) -> Floats:
         """What each trial's mesh plays (K, m) when it is read (R, m), so much later [s]; None: as its log says."""
@@ -224,18 +241,21 @@ class Plays:
 
     def at_joint(
         self, joint: int, others: Sequence[ActiveEffect]
-    ) -> tuple[Floats, Callable[[Sequence[ActiveEffect]], Floats]]:
-        """What is read with some effects, and `realised` of those that differ from them at one joint alone (1 = next to
-        the tail), where it is known when trials began: else that depends on all joints."""
+    ) -> tuple[Floats, Callable[[Sequence[Sequence[ActiveEffect]]], list[Floats]]]:
+        """What is read with some effects, and `realised_each` of those that differ from them at one joint alone (1 =
+        next to the tail), where it is known when trials began: else that depends on all joints."""
         read, columns = self.realised(others), slice(joint - 1, joint)
         habit = np.broadcast_to(self.habit, read.shape)[:, columns]
 
-        def realised(effects: Sequence[ActiveEffect]) -> Floats:
-            own, found = self._played(effects, columns), read.copy()
-            found[:, columns] = np.concatenate([p[at] for p, at in zip(own, self.where, strict=True)]) + habit
-            return found
+        def realised_each(several: Sequence[Sequence[ActiveEffect]]) -> list[Floats]:
+            every = []
+            for own in self._played_each(several, columns):
+                found = read.copy()
+                found[:, columns] = np.concatenate([p[at] for p, at in zip(own, self.where, strict=True)]) + habit
+                every.append(found)
+            return every
 
-        return read, realised
+        return read, realised_each
 
     def model(self, effects: Sequence[ActiveEffect]) -> Model:
         """The robot with the known effects and these."""
