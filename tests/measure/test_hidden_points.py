@@ -28,3 +28,17 @@ def test_a_hidden_point_is_on_the_side_that_its_neighbours_in_time_show(tmp_path
     shown = link_directions(trial.body, motion.poses, motion.joint_angles)[:, 2:]
     off = np.abs((shown - mean + np.pi) % (2 * np.pi) - np.pi)[hidden.any(axis=1)]
     assert off.max() < 0.1  # a mirror image turns a link by twice what the body bends there
+
+
+def test_a_film_may_begin_unseen_between_two_frames_that_are_nearly_one(tmp_path):
+    """Of times that are uneven: no line leads back from a frame that was taken at almost the same moment."""
+    time = np.concatenate([[0.0, 0.004, 0.008], 0.04 * np.arange(1, 120)])
+    arc = np.linspace(0, 1, 200)
+    angle = 0.8 * np.sin(2 * np.pi * (time[:, None] + 1.2 * arc))
+    steps = np.stack([np.cos(angle), np.sin(angle)], axis=2) / 200
+    points = np.cumsum(steps, axis=1)[:, np.linspace(0, 199, 11).astype(int)]
+    points[..., 0] += 0.1 * time[:, None]
+    points += np.random.default_rng(1).normal(0, 0.002, points.shape)
+    points[:2, [4, 5]] = np.nan
+    motion = load_campaign(animal_campaign(tmp_path, "a", time, points, "m")).trials[0].motion
+    assert motion.known[3:].all()

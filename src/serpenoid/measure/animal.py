@@ -15,6 +15,7 @@ from serpenoid.measure.beside_midline import beside_midline, said
 from serpenoid.measure.cells import Floats, listed
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.lengths import shown_lengths
+from serpenoid.measure.picture import as_if_alike, picture
 from serpenoid.measure.quality import Jump
 from serpenoid.measure.smooth import best_window, smooth, smoother
 from serpenoid.measure.trial import Motion
@@ -197,7 +198,10 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
     seen = [apart] if apart else _sampling(motion)
     aside = beside_midline(body.edges, motion.smooth_angles) if body.is_animal else None
     seen += [said(aside, body.edges)] if aside else []
-    return (*found, *_clock(motion), *_cuts(motion), *seen, *_stretching(body, motion), *_length(motion))
+    shown = picture(body, motion) if body.is_animal else None
+    seen += shown.said() if shown else []
+    stretching = _stretching(body, as_if_alike(body, motion, shown) if shown else motion)
+    return (*found, *_clock(motion), *_cuts(motion), *seen, *stretching, *_length(motion))
 
 
 def _cuts(motion: Motion) -> list[str]:

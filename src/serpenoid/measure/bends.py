@@ -94,7 +94,11 @@ def _extended(
             for frame in np.flatnonzero(needed[:first, joint]).tolist():
                 apart = round(float(places[first] - places[frame]))
                 two = first + apart
-                if 2 * apart > LONGEST or two >= len(values) or round(float(places[two] - places[first])) != apart:
+                if (
+                    not 1 <= apart <= LONGEST / 2
+                    or two >= len(values)
+                    or round(float(places[two] - places[first])) != apart
+                ):
                     continue
                 within[::toward][frame, joint] = 2 * values[first, joint] - values[two, joint]
                 missed[::toward][frame, joint] = _missed_beyond(values[:, joint], float(noise[joint]), apart)

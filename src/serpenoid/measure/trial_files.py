@@ -25,6 +25,7 @@ from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_serv
 from serpenoid.measure.placeholders import without_placeholders
 from serpenoid.measure.readers import READERS, up_axis
 from serpenoid.measure.relabel import Labelled, label_vertices
+from serpenoid.measure.repeated import without_repeated
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.tracks import Tracks, in_places
 from serpenoid.parallel import in_processes
@@ -174,11 +175,12 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
 
 
 def _mended(tracks: Tracks, up: str) -> tuple[Tracks, tuple[str, ...]]:
-    """Tracks without points that nobody saw, in the plane of their floor; and what was done, in words."""
+    """Tracks without frames and points that nobody saw, in the plane of their floor; and what was done, in words."""
     tracks, absent = without_placeholders(tracks)
+    tracks, again = without_repeated(tracks)
     tracks, made = without_filled_in(tracks)
     tracks, turned = levelled(tracks, up)
-    return tracks, tuple(words for words in (absent, made, turned) if words)
+    return tracks, tuple(words for words in (absent, again, made, turned) if words)
 
 
 def _of_every_joint(log: ServoLog | None, body: Body) -> None:
