@@ -35,7 +35,7 @@ def test_begun_again_no_fit_is_made_twice_and_the_answer_is_the_same(campaign: P
 
 
 def _kept() -> dict[Path, int]:
-    return {path: path.stat().st_ino for path in store.folder().glob("*.work")}
+    return {path: path.stat().st_ino for path in store.folder().glob("[!.]*.work")}
 
 
 def test_the_answer_without_an_effect_does_not_take_the_place_of_the_whole_one(
