@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from rehearsal import snake
+from serpenoid.body import Body
 from serpenoid.compare.complaints import complaints, failed
+from serpenoid.model import Model
 
 NAMES = ("anisotropy_ratio",)
 
@@ -44,6 +46,13 @@ def test_a_wrong_model_is_told_that_its_intervals_say_nothing(trials):
     assert ("what trials differ by" in text) == (trials > 1)
     assert ("another law of drag" in text) == snake().law.linear
     assert not said(0.3, 1.0, trials)
+
+
+def test_of_an_animal_a_body_beyond_its_points_and_a_drift_may_be_it_too():
+    animal = Model(Body(kind="crawler", vertices=12, edge_lengths=(1 / 11,) * 11), snake().medium)
+    for text, told in ((said(0.3, 11.0, model=animal), True), (said(0.3, 11.0), False)):
+        assert ("beyond its outermost points" in text) == told
+        assert ("drifts" in text) == told
 
 
 @pytest.mark.parametrize(

@@ -85,12 +85,10 @@ def _size(solution: Solution, model: Model, trials: int) -> list[str]:
     scale, least = solution.noise_scale, least_by_chance(solution.freedom)
     if scale > OFF:
         others = "; what trials differ by shows how far they are off at least" if trials > 1 else ""
-        asked = (
-            "; another law of drag, dry or quadratic, may be it: `serpenoid diagnose` asks" if model.law.linear else ""
-        )
         return [
             f"what is left is {scale:.1f} times the measurement noise: the model is wrong somewhere, and intervals "
-            f"hold only if it is right: they do not say how far these numbers are from the body's own{others}{asked}"
+            "hold only if it is right: they do not say how far these numbers are from the body's own"
+            f"{others}{_asked(model)}"
         ]
     if scale >= least / OFF:
         return []
@@ -102,3 +100,14 @@ def _size(solution: Solution, model: Model, trials: int) -> list[str]:
         f"most of what passes for noise is an error that stays ({cause}), which may be in these numbers, "
         "and the noise interval means little; `serpenoid diagnose` looks for it"
     ]
+
+
+def _asked(model: Model) -> str:
+    """What leaves more than noise and no number of the model: another law, and of an animal what its film may hide."""
+    law = ["another law of drag, dry or quadratic (`serpenoid diagnose` asks)"] if model.law.linear else []
+    film = [
+        "a body that goes on beyond its outermost points (track both tips)",
+        "a camera or a medium that drifts (0.01 body lengths a second are enough)",
+    ]
+    causes = [*law, *(film if model.body.is_animal else [])]
+    return f"; it may be {', or '.join(causes)}" if causes else ""

@@ -18,6 +18,7 @@ from serpenoid.measure.lengths import shown_lengths
 from serpenoid.measure.picture import as_if_alike, picture
 from serpenoid.measure.quality import Jump
 from serpenoid.measure.smooth import best_window, smooth, smoother
+from serpenoid.measure.smoothed import said_of_smoothing
 from serpenoid.measure.trial import Motion
 from serpenoid.measure.uneven import uneven
 
@@ -200,6 +201,7 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
     seen += [said(aside, body.edges)] if aside else []
     shown = picture(body, motion) if body.is_animal else None
     seen += shown.said() if shown else []
+    seen += said_of_smoothing(motion) if body.is_animal else []
     stretching = _stretching(body, as_if_alike(body, motion, shown) if shown else motion)
     return (*found, *_clock(motion), *_cuts(motion), *seen, *stretching, *_length(motion))
 
