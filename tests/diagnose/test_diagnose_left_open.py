@@ -56,6 +56,17 @@ def test_a_name_that_explanations_of_the_law_leave_open_is_refused(diagnosed: tu
     assert bare.best.chi2 == pytest.approx(found.null.chi2)
 
 
+def test_a_name_is_believed_for_its_value_where_it_takes_away_less_than_its_slope_says(
+    diagnosed: tuple[Any, dict[str, Any], Any],
+) -> None:
+    """As of a wheel that bears nothing any more: the farther it is unloaded, the less that does."""
+    found = diagnosed[0].motion.selection
+    explanations = ((found.motion, found.settled, 1.0),)
+    flat = replace(found, bases=tuple(replace(b, chi2=found.best.chi2 + 1.0) for b in found.bases))
+    assert known(flat, explanations)[0][0] > 1
+    assert believed(flat, lambda f: explanations) is flat
+
+
 def test_a_value_that_data_push_beyond_its_bound_is_no_finding(
     diagnosed: tuple[Any, dict[str, Any], Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:

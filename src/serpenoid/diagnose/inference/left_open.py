@@ -2,9 +2,10 @@
 open about a name, too.
 
 What an effect takes away counts by how much less the value is known with the law's error than without (law_doubt.py):
-the likelihood ratio over that is held against chi squared at 5 %. Of several parameters each counts by what it tells. A
-law that saturates is known to act where nobody can say how much. What data push beyond a bound, for more than the law's
-error leaves open, is no value of its law.
+the likelihood ratio over that is held against chi squared at 5 %, or, if that is more, the squared distance from the
+value that changes nothing, in standard deviations with the law's error. Of several parameters each counts by what it
+tells. A law that saturates is known to act where nobody can say how much: its likelihood ratio is more. What data push
+beyond a bound, for more than the law's error leaves open, is no value of its law.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from serpenoid.diagnose.inference.bounds import gained_beyond
 from serpenoid.diagnose.inference.evidence import SILENT
 from serpenoid.diagnose.inference.law_doubt import doubted
 from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit_guided, fit_without, linearised
-from serpenoid.diagnose.inference.names import Refused, bases_of
+from serpenoid.diagnose.inference.names import Key, Refused, bases_of
 from serpenoid.diagnose.inference.select import Selection
 from serpenoid.effects.active import ActiveEffect
 
@@ -49,18 +50,22 @@ def known(found: Selection, explained: Explained) -> tuple[Floats, Floats]:
     evidence, _ = linearised(found.motion, settled.model, settled.effects, near=settled.predictions, hold=False)
     usual = evidence.solve(range(len(settled.coordinates)))[1]
     outside = gained_beyond(settled.model, settled.effects, evidence)
-    at, shares, beyond = 1, {}, {}
+    at, surely, shares, beyond = 1, dict[Key, float](), dict[Key, float](), dict[Key, float]()
     for e, more in zip(settled.effects, outside, strict=True):
         moves = [i for i, p in enumerate(e.effect.parameters) if p.neutral is not None]
         away = np.array([(e.coordinates[i] - e.effect.parameters[i].resting) ** 2 for i in moves])
         sure = np.array([doubt[e.name, e.place, i].away ** 2 for i in moves])
         usually = away / np.array([usual[at + i, at + i] for i in moves])
         least = chdtri(len(moves), 2 * ndtr(-NORMAL))
-        shares[e.key] = float(np.minimum(sure, usually).sum() / usually.sum() / least)
+        surely[e.key] = float(np.minimum(sure, usually).sum() / least)
+        shares[e.key] = surely[e.key] / float(usually.sum())
         beyond[e.key] = more * shares[e.key]
         at += len(e.effect.parameters)
     best = found.best
-    gained = [(base.chi2 - best.chi2) * shares[e.key] for e, base in zip(best.effects, found.bases, strict=True)]
+    gained = [
+        max(surely[e.key], (base.chi2 - best.chi2) * shares[e.key])
+        for e, base in zip(best.effects, found.bases, strict=True)
+    ]
     return np.array(gained), np.array([beyond[e.key] for e in best.effects])
 
 
