@@ -17,6 +17,12 @@ def listed(words: Sequence[str]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
+def alternatives(words: Sequence[str]) -> str:
+    """a, b or c."""
+    *most, last = words
+    return f"{', '.join(most)} or {last}" if most else last
+
+
 def warned(said: str, warnings: Iterable[str]) -> str:
     """A sentence, and warnings behind it."""
     return "; ".join([said, *(f"warning: {warning}" for warning in warnings)])

@@ -36,6 +36,7 @@ from serpenoid.diagnose.inference.names import Key, Refused, Weak
 from serpenoid.diagnose.inference.other_law import of_another_law
 from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.profile import in_its_range
+from serpenoid.diagnose.inference.same_ratio import as_much_as_another_ratio
 from serpenoid.diagnose.inference.select import Retrack, Selection, calibrated, retracked, select
 from serpenoid.diagnose.residuals.from_trial_to_trial import after_some, as_floors_do, more_than_before, one_in_each
 from serpenoid.diagnose.residuals.in_some_trials import one_cause_in_some
@@ -214,7 +215,7 @@ def finding(
     alone: tuple[AtOneVertex, ...] = ()
     if words and parts is None:
         alone = at_one_vertex(found)
-        words = (*words, *refusals(found.refused), *words_of(alone))
+        words = (*words, *as_much_as_another_ratio(found), *refusals(found.refused), *words_of(alone))
     if parts is not None and (parts.told or _left_over(found, None, mend=jumps is not None)[0]):
         words, unlike = (*words, parts.words), parts.kind
         named = [replace(n, stand_in=n.effect.key in doubtful) for n in named]
