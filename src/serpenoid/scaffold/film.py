@@ -139,7 +139,8 @@ def _read(film: Path, answers: Answers) -> tuple[dict[str, Any], Tracks]:
 
 def _options(said: str) -> str:
     """What keys of a campaign file that a refusal names are called here, where there is none yet."""
-    told = [f"--{q.name}" for q in OF_A_FILM if f"`{q.name.replace('-', '_')}" in said]
+    names = [*(q.name for q in OF_A_FILM), "frames-per-second"]
+    told = [f"--{name}" for name in names if f"`{name.replace('-', '_')}" in said]
     return f" Here: {', '.join(told)}." if told else ""
 
 
