@@ -107,8 +107,8 @@ def _refuse_other_end(points: list[str], said: str) -> None:
     ends = [{end for end, words in ENDS.items() if any(word in name.casefold() for word in words)} for name in points]
     if ends and (ends[0], ends[-1]) == ({OTHER[said]}, {said}):
         raise InputError(
-            f"--first-point {said}: the first point of the film is `{points[0]}` and the last `{points[-1]}`. Give "
-            f"--first-point {OTHER[said]}."
+            f"--first-point: not the {said}, as the first point of the film is `{points[0]}` and the last "
+            f"`{points[-1]}`. Give --first-point {OTHER[said]}."
         )
 
 
