@@ -585,6 +585,16 @@ def test_what_a_film_lacks_is_said_by_the_options_that_give_it(worm: Path, heade
     assert told in " ".join(capsys.readouterr().err.split())
 
 
+def test_a_tidy_film_without_times_is_told_the_options_that_read_it(worm: Path, capsys) -> None:
+    rows = [f"{f / 10:.1f},0,1,{f % 2},2,0,3,0" for f in range(20)]
+    (worm / "bare.csv").write_text("\n".join(["x_0,y_0,x_1,y_1,x_2,y_2,x_3,y_3", *rows]))
+    words = ["new", "campaign", "c", "--film", "bare.csv", "--format", "tidy", "--yes"]
+    assert main(words) == 2
+    assert "Here: --length-unit, --columns, --frames-per-second." in capsys.readouterr().err
+    assert main([*words, "--columns", "x=x_*,y=y_*", "--frames-per-second", "10"]) == 0
+    assert "frames_per_second = 10" in (worm / "c" / "campaign.toml").read_text()
+
+
 def test_a_film_that_says_its_times_keeps_them(worm: Path, capsys: pytest.CaptureFixture) -> None:
     rows = [f"{f / 10:.1f},0,0,1,{f % 2},2,0,3,0" for f in range(20)]
     (worm / "tidy.csv").write_text("\n".join(["t_s,x_0,y_0,x_1,y_1,x_2,y_2,x_3,y_3", *rows]))

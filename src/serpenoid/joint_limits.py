@@ -111,7 +111,7 @@ def _angle_lines(problem: Problem, table: Floats) -> list[str]:
     worst = farthest(table, declared)
     if not worst.kept:
         named = f"{_columns(problem, table)[worst.joint]} reaches {worst.reach:.1f} degrees"
-        return [f"warning           {named}, its limit is {worst.limit}"]
+        return [f"warning           {named}, its limit is {worst.limit}", *_impossible_lines(problem, table)]
     return [f"joint limit       {words}; joints reach {reach}"]
 
 

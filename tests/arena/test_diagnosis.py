@@ -142,3 +142,14 @@ def test_use_plays_both_optimal_gaits_on_the_changed_robot(tmp_path, capsys):
         assert 0.2 < record[name]["mean"] < 0.9
         assert record[name]["certified"]
         assert record[name]["promised"] > 0.6  # the reference optimum, at another anisotropy ratio
+
+
+@pytest.mark.parametrize("ratio", [0.2, None])
+def test_use_of_a_diagnosis_without_two_models_is_refused_before_anything_is_written(tmp_path, capsys, ratio):
+    """Of the same gait on both sides the difference was chance, and said as a gain."""
+    for name in in_use.MODELS if ratio is not None else ():
+        write_model_file(tmp_path / f"{name}-model.toml", Medium(anisotropy_ratio=ratio), ())
+    assert main(["arena", "use", str(tmp_path), str(PROTOCOL)]) == 2
+    said = "its two models are the same" if ratio is not None else "holds no baseline-model.toml"
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / "in-use").exists()

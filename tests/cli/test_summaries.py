@@ -152,15 +152,16 @@ def test_points_that_an_interrupted_sweep_left_coarse_are_not_said_to_have_faile
     assert line.endswith(f"the same gaits go as far within 100 %; 1 point {said} refined to 0.1 %")
 
 
+@pytest.mark.parametrize("limit", ["", "joint_limit_deg = 60\n"])
 @pytest.mark.parametrize(("angle", "warned"), [(0.5236, False), (30.0, True)])
 def test_joints_beyond_half_a_turn_are_asked_for_their_unit(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], angle: float, warned: bool
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], angle: float, warned: bool, limit: str
 ) -> None:
     rows = f"angles = [[{angle}, 0.0], [0.0, {angle}], [-{angle}, 0.0], [0.0, -{angle}]]"
     gait = f'[gait]\nfamily = "table"\n{rows}\n[task]\nsteps = 4\n'
-    assert (
-        main(["simulate", written(tmp_path, BODY + MEDIUM + gait), "--no-figures", "--out", str(tmp_path / "o")]) == 0
-    )
+    path = written(tmp_path, BODY + limit + MEDIUM + gait)
+    assert main(["simulate", path, "--no-figures", "--out", str(tmp_path / "o")]) == 0
     out = capsys.readouterr().out
     assert ("joint_1 reaches 1718.9 degrees, more than half a turn. Angles of gaits are in radians" in out) == warned
     assert ("half a turn" in out) == warned
+    assert ("its limit is 60" in out) == (warned and bool(limit))

@@ -1,5 +1,6 @@
 """What a fit says of itself: a bound where the data are followed is an answer; of a wrong model no interval holds."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,7 +9,11 @@ import pytest
 from rehearsal import snake
 from serpenoid.body import Body
 from serpenoid.compare.complaints import complaints, failed
+<<<<<<< HEAD
 from serpenoid.model import Model
+=======
+from serpenoid.medium import Medium
+>>>>>>> 72e23902132722f114a37aa46be7618ecaf209d5
 
 NAMES = ("anisotropy_ratio",)
 
@@ -37,6 +42,18 @@ def test_a_body_that_moves_the_way_its_bends_run_is_told_that_the_model_has_no_s
     assert "ran into its bound 1" in text
     assert "K < 1" in text
     assert "K < 1" not in said(1e-4, 394.7)
+
+
+@pytest.mark.parametrize(
+    ("kind", "bounds", "value", "told"),
+    [("swimmer", None, 0.035, True), ("swimmer", None, 0.6, False), ("swimmer", None, 0.4995, False),
+     ("swimmer", (0.01, 1.0), 0.035, False), ("crawler", None, 0.035, False)],
+)  # fmt: skip
+def test_a_swimmer_whose_drag_no_water_has_is_told_what_keeps_it_within(kind, bounds, value, told):
+    model = snake()
+    medium = Medium(anisotropy_ratio=0.3, anisotropy_ratio_bounds=bounds)
+    text = said(value, 1.0, model=replace(model, body=model.body.model_copy(update={"kind": kind}), medium=medium))
+    assert ("K is above 2" in text and "anisotropy_ratio_bounds = [0.5, 1]" in text) == told
 
 
 @pytest.mark.parametrize("trials", [1, 4])

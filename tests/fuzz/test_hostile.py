@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import serpenoid as sp
 from fuzz.specimens import CAMPAIGN
 from serpenoid.cli.main import main
 from serpenoid.errors import InputError
@@ -136,3 +137,16 @@ def test_what_is_no_reference_is_refused_before_anything_is_diagnosed(
     worm = str(Path(REFERENCE).parent / "campaigns" / "worm.toml")
     given = worm if reference else ""
     refused(["diagnose", str(tmp_path), "--reference", given, "--out", str(tmp_path / "out")], said, capsys)
+
+
+@pytest.mark.parametrize("reference", ["worm", "robot"])
+def test_an_animal_has_no_reference_and_is_refused_before_anything_is_diagnosed(
+    reference: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    worm = str(Path(REFERENCE).parent / "campaigns" / "worm.toml")
+    given = worm if reference == "worm" else str(tmp_path)
+    said = "no other campaign repeats its shapes. Leave --reference out"
+    refused(["diagnose", worm, "--reference", given, "--out", str(tmp_path / "out")], said, capsys)
+    with pytest.raises(InputError, match=r"repeats its shapes\. Leave reference out"):
+        sp.diagnose(worm, reference=given)

@@ -126,6 +126,15 @@ def test_binary_rubbish_is_refused(tmp_path):
             reader(path)
 
 
+@pytest.mark.parametrize("header", ["x_0,y_0,x_1,y_1", "x_0,x_1,y_0,y_1"])
+def test_a_tidy_film_without_times_is_told_how_to_name_its_own_columns(tmp_path, header):
+    path = tmp_path / "t.csv"
+    path.write_text(f"{header}\n1,2,3,4\n")
+    with pytest.raises(InputError, match=r'`columns = { x = "x_\*", y = "y_\*" }` and `frames_per_second` in') as error:
+        read_tidy(path)
+    assert "time =" not in str(error.value)
+
+
 def test_tidy_round_trip_and_faults(tmp_path):
     path = tmp_path / "t.csv"
     path.write_text("t_s,x_0,y_0,x_1,y_1\n0,1,2,,\n0.1,1,2,3,4\n")

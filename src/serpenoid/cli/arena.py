@@ -103,13 +103,14 @@ def _use(args: argparse.Namespace) -> int:
     robot, _ = load_protocol(args.protocol)
     problem = args.problem or examples() / "snake10.toml"
     protocol = in_use.protocol_of(robot, load(problem), args.trials, args.cycles)
+    tasks = in_use.tasks_of(problem, args.diagnosis)
     folder = args.out or args.diagnosis / "in-use"
     settle([folder])
     models = content_of(*(args.diagnosis / name for name in in_use.MODELS.values()))
     claim(args, folder, models, load(problem).hash, protocol.model_dump(mode="json"))
     sign(args)
     with options.progress_bar(args, "gaits", len(in_use.MODELS)) as advance:
-        gaits = in_use.optimal_gaits(problem, args.diagnosis, advance)
+        gaits = in_use.optimal_gaits(tasks, advance)
         advance(len(gaits), "")
     with options.progress_bar(args, "trials", args.trials * len(gaits)) as advance:
         found = in_use.play(folder, protocol, gaits, options.workers(args), advance)

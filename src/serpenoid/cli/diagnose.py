@@ -50,7 +50,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="problem or model file: baseline medium (default: the campaign's) and effects that are known, "
         "of servos, cameras and medium: they are no news (an earlier extended-model.toml); eps is calibrated",
     )
-    parser.add_argument("--reference", metavar="CAMPAIGN", help="an earlier campaign: say what changed since then")
+    parser.add_argument("--reference", metavar="CAMPAIGN", help="an earlier one of the robot: what changed since then?")
     parser.add_argument(
         "--without",
         metavar="EFFECT",

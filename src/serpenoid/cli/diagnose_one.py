@@ -54,8 +54,8 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Read]) 
     wanted = [*([args.reference] if args.reference is not None else []), campaign]
     known = [load_campaign_file(c)[0] for c in wanted]
     sizes = [len(file.trial) for file in known]
-    if args.reference is not None and not known[-1].tracked_only:
-        check_reference(args.reference, known[0])
+    if args.reference is not None:
+        check_reference(args.reference, known[0], campaign, known[-1])
     model = content_of(*([Path(args.model)] if args.model else []))
     reference = content_of_campaign(args.reference) if args.reference is not None else None
     folder = campaigns.folder(args, campaign, "diagnosis", reference, model, sorted(args.without))

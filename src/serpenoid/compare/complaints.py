@@ -17,6 +17,7 @@ from serpenoid.model import Model
 CORRELATED = 0.95  # two fitted numbers whose errors are this correlated cannot be told apart by these data
 OFF = 1.5  # times the noise, or a part of the least that chance makes of it: something is wrong
 CHANCE = 0.01
+SLENDER = 0.5  # eps of a slender body in water: drag sideways is at most twice that lengthwise
 NEAR_ONE = 1e-3  # of eps: to where a fit's own tolerance ends
 
 
@@ -40,7 +41,7 @@ def complaints(
             if abs(correlation[i, j]) > CORRELATED:
                 pair = f"`{solution.names[j]}` and `{name}`"
                 found.append(f"{pair} cannot be told apart by these data (correlation {correlation[i, j]:.3f})")
-    return (*found, *_size(solution, model, trials))
+    return (*found, *_beyond_water(solution, model, interval), *_size(solution, model, trials))
 
 
 def determined(names: Sequence[str], sd: Floats, model: Model) -> NDArray[np.bool_]:
@@ -78,6 +79,19 @@ def _at_bound(name: str, value: float, scale: float) -> str:
             f"`[medium] anisotropy_ratio_bounds = [0.01, {MOST:g}]`"
         )
     return said
+
+
+def _beyond_water(solution: Solution, model: Model, interval: Floats) -> list[str]:
+    """Whether drag has to be more unlike sideways and lengthwise than a fluid makes it, with nobody's word on that."""
+    if model.body.kind != "swimmer" or not model.law.linear or model.medium.anisotropy_ratio_bounds is not None:
+        return []
+    if not any(n == "anisotropy_ratio" and i[1] < SLENDER for n, i in zip(solution.names, interval, strict=True)):
+        return []
+    return [
+        f"K is above {1 / SLENDER:g}, the most that slender-body theory allows a body in water: drag alone is not what "
+        f"moves a swimmer there, however well it follows. `[medium] anisotropy_ratio_bounds = [{SLENDER:g}, 1]` in "
+        "campaign.toml keeps fits and diagnoses to what water does (not for one in sand or mud)"
+    ]
 
 
 def _size(solution: Solution, model: Model, trials: int) -> list[str]:

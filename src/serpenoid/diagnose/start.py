@@ -92,11 +92,18 @@ def taken_for_granted(model: Model, law_open: bool, without: frozenset[str], not
     return Baseline(replace(model, effects=moving), others=others, without=without, law_open=law_open)
 
 
-def check_reference(path: str | Path, file: CampaignFile) -> None:
-    """Refuse, before it is diagnosed, an earlier campaign that tells nothing about a robot."""
+def check_reference(
+    path: str | Path, earlier: CampaignFile, campaign: str | Path, file: CampaignFile, option: str = "--reference"
+) -> None:
+    """Refuse, before either is diagnosed, a reference where one of the two campaigns is of tracked points alone."""
     if file.tracked_only:
         raise InputError(
-            f"--reference {path}: has tracked points alone: no robot can be compared with it. Name an earlier campaign "
+            f"{campaign}: has tracked points alone, so no other campaign repeats its shapes. Leave {option} out, "
+            "diagnose each by itself, and compare what both say of K."
+        )
+    if earlier.tracked_only:
+        raise InputError(
+            f"{option} {path}: has tracked points alone: no robot can be compared with it. Name an earlier campaign "
             "of the same robot, with its joint tables or servo logs."
         )
 

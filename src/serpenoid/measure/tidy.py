@@ -106,9 +106,10 @@ def _own(header: list[str]) -> str:
     named = list(dict.fromkeys(re.sub(r"[0-9]+", "*", name) for name in header[1:]))
     if len(named) != 2 or any(name.count("*") != 1 for name in named) or '"' in "".join(header):
         return OWN_NAMES
-    x, y = named
+    first = re.sub(r"[0-9]+", "*", header[0])
+    x, y = named if first != named[1] else reversed(named)  # x_0,y_0,x_1,...: points begin in the first column
     several = OF_SEVERAL if {x.casefold(), y.casefold()} == {"x*", "y*"} else ""
-    if re.sub(r"[0-9]+", "*", header[0]) == x:  # points begin in the first column
+    if first == x:  # points begin in the first column
         return (
             f'Own names: `columns = {{ x = "{x}", y = "{y}" }}` and `frames_per_second` in [motion], as the file '
             "has no column of times and each row is the next frame; points tail first, units as `length_unit` "

@@ -107,8 +107,8 @@ def _refuse_other_end(points: list[str], said: str) -> None:
     ends = [{end for end, words in ENDS.items() if any(word in name.casefold() for word in words)} for name in points]
     if ends and (ends[0], ends[-1]) == ({OTHER[said]}, {said}):
         raise InputError(
-            f"--first-point {said}: the first point of the film is `{points[0]}` and the last `{points[-1]}`. Give "
-            f"--first-point {OTHER[said]}."
+            f"--first-point: not the {said}, as the first point of the film is `{points[0]}` and the last "
+            f"`{points[-1]}`. Give --first-point {OTHER[said]}."
         )
 
 
@@ -139,7 +139,8 @@ def _read(film: Path, answers: Answers) -> tuple[dict[str, Any], Tracks]:
 
 def _options(said: str) -> str:
     """What keys of a campaign file that a refusal names are called here, where there is none yet."""
-    told = [f"--{q.name}" for q in OF_A_FILM if f"`{q.name.replace('-', '_')}" in said]
+    names = [*(q.name for q in OF_A_FILM), "frames-per-second"]
+    told = [f"--{name}" for name in names if f"`{name.replace('-', '_')}" in said]
     return f" Here: {', '.join(told)}." if told else ""
 
 

@@ -42,15 +42,26 @@ class OptimalGait:
     certified: bool
 
 
-def optimal_gaits(problem: Path, diagnosis: Path, progress: Progress) -> dict[str, OptimalGait]:
-    """The optimum of the problem under both models of a diagnosis folder; the second search knows the first's gait."""
-    found: dict[str, OptimalGait] = {}
-    begins: list[Gait] = []
-    for number, (name, file) in enumerate(MODELS.items()):
+def tasks_of(problem: Path, diagnosis: Path) -> dict[str, Problem]:
+    """The problem under both models of a diagnosis folder. Raises InputError where they move a body alike."""
+    for file in MODELS.values():
         if not (diagnosis / file).is_file():
             raise InputError(f"{diagnosis}: holds no {file}. Name the folder that `serpenoid diagnose` wrote.")
+    tasks = {name: load(problem, model=diagnosis / file) for name, file in MODELS.items()}
+    if tasks["baseline"].model == tasks["extended"].model:
+        raise InputError(
+            f"{diagnosis}: its two models are the same, as nothing that moves the body was found, and so are their "
+            "optimal gaits: there is no gain to measure. Name a diagnosis whose extended model holds an effect."
+        )
+    return tasks
+
+
+def optimal_gaits(tasks: dict[str, Problem], progress: Progress) -> dict[str, OptimalGait]:
+    """The optimum under each model; the second search knows the first's gait."""
+    found: dict[str, OptimalGait] = {}
+    begins: list[Gait] = []
+    for number, (name, task) in enumerate(tasks.items()):
         progress(number, name)
-        task = load(problem, model=diagnosis / file)
         begins += [] if begins else [task.gait]
         found[name], gait = _optimum(task, begins)
         begins.append(gait)

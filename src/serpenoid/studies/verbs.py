@@ -17,8 +17,9 @@ from serpenoid.compare.study import NOTHING, Study, compare_campaign
 from serpenoid.diagnose.campaign import diagnose_campaign
 from serpenoid.diagnose.diagnose import Diagnosis
 from serpenoid.diagnose.reference import reference_of
+from serpenoid.diagnose.start import check_reference
 from serpenoid.errors import InputError
-from serpenoid.measure.campaign import CampaignFile
+from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.load import Campaign, load_campaign
 from serpenoid.model import Model
 from serpenoid.shown import Shown
@@ -121,5 +122,8 @@ def compare(campaign: Place, anisotropy_ratio: float | None = None, dissipation:
 
 def diagnose(campaign: Place, model: Place | None = None, reference: Place | None = None) -> Diagnosed:
     """Find out what `model` (a problem or model file) gets wrong, or what changed since the campaign `reference`."""
-    earlier = None if reference is None else reference_of(diagnose_campaign(reference, model, apart=False)[1])
+    if reference is None:
+        return Diagnosed(*diagnose_campaign(campaign, model))
+    check_reference(reference, load_campaign_file(reference)[0], campaign, load_campaign_file(campaign)[0], "reference")
+    earlier = reference_of(diagnose_campaign(reference, model, apart=False)[1])
     return Diagnosed(*diagnose_campaign(campaign, model, earlier))
