@@ -9,11 +9,8 @@ import pytest
 from rehearsal import snake
 from serpenoid.body import Body
 from serpenoid.compare.complaints import complaints, failed
-<<<<<<< HEAD
-from serpenoid.model import Model
-=======
 from serpenoid.medium import Medium
->>>>>>> 72e23902132722f114a37aa46be7618ecaf209d5
+from serpenoid.model import Model
 
 NAMES = ("anisotropy_ratio",)
 
