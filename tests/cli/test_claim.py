@@ -49,7 +49,7 @@ def test_each_question_of_a_diagnosis_has_a_folder_of_its_own(monkeypatch: pytes
         raise InputError("enough is known")
 
     monkeypatch.setattr("serpenoid.cli.options.claim", asked)
-    monkeypatch.setattr("serpenoid.cli.diagnose_one.check_reference", lambda *_: None)  # an animal is none
+    monkeypatch.setattr("serpenoid.diagnose.start.check_reference", lambda *_: None)  # an animal is none
     questions = [
         [lamprey],
         [lamprey, "--model", robot],
