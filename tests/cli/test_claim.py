@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -49,7 +50,9 @@ def test_each_question_of_a_diagnosis_has_a_folder_of_its_own(monkeypatch: pytes
         raise InputError("enough is known")
 
     monkeypatch.setattr("serpenoid.cli.options.claim", asked)
-    monkeypatch.setattr("serpenoid.diagnose.start.check_reference", lambda *_: None)  # an animal is none
+    monkeypatch.setattr(
+        import_module("serpenoid.diagnose.start"), "check_reference", lambda *_: None
+    )  # an animal is none
     questions = [
         [lamprey],
         [lamprey, "--model", robot],
