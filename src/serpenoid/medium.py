@@ -88,6 +88,10 @@ class Medium(Record):
         """The same medium with another anisotropy ratio (its bounds are for fits to respect)."""
         return self.model_copy(update={"anisotropy_ratio": float(anisotropy_ratio)})
 
+    def within(self, lower: float, upper: float) -> Medium:
+        """The same medium with other bounds of its ratio, for fits to respect."""
+        return self.model_copy(update={"anisotropy_ratio_bounds": (lower, upper)})
+
     @property
     def limited_by_physics(self) -> bool:
         """Whether stated bounds are those of water, say. Bounds that reach beyond 1 let fits look for a surface that

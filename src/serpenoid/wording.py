@@ -11,16 +11,10 @@ OF_SHAPES = "names may stand in for what that does to the shapes"  # ends what i
 NOT_NAMED = "not named, as "  # begins what a diagnosis says of effects that it tried and refused
 
 
-def listed(words: Sequence[str]) -> str:
+def listed(words: Sequence[str], link: str = "and") -> str:
     """`one`, `one and another`, `one, another and a third`."""
     *first, last = words
-    return f"{', '.join(first)} and {last}" if first else last
-
-
-def alternatives(words: Sequence[str]) -> str:
-    """a, b or c."""
-    *most, last = words
-    return f"{', '.join(most)} or {last}" if most else last
+    return f"{', '.join(first)} {link} {last}" if first else last
 
 
 def warned(said: str, warnings: Iterable[str]) -> str:

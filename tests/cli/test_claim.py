@@ -50,9 +50,8 @@ def test_each_question_of_a_diagnosis_has_a_folder_of_its_own(monkeypatch: pytes
         raise InputError("enough is known")
 
     monkeypatch.setattr("serpenoid.cli.options.claim", asked)
-    monkeypatch.setattr(
-        import_module("serpenoid.diagnose.start"), "check_reference", lambda *_: None
-    )  # an animal is none
+    start = import_module("serpenoid.diagnose.start")
+    monkeypatch.setattr(start, "check_reference", lambda *_: None)  # refuses an animal
     questions = [
         [lamprey],
         [lamprey, "--model", robot],

@@ -19,7 +19,7 @@ from serpenoid.diagnose.inference.medium import Fit, fit_eps
 from serpenoid.diagnose.inference.names import Try
 from serpenoid.diagnose.inference.select import Selection, at_other_places, attempts
 from serpenoid.model import Model
-from serpenoid.wording import alternatives
+from serpenoid.wording import listed
 
 MOST = 1 / 2  # of what has changed: another eps that takes less stands in nobody's way
 HELD = 1e-4  # of eps: between bounds so near to it
@@ -52,16 +52,14 @@ def _which(base: Fit, same: Sequence[Try]) -> str:
         mine = [t for t in same if t.added.name == name]
         shares = sorted({f"{_taken(base, t.fit):.0%}" for t in mine})
         places = [str(t.added.place) for t in mine if t.added.place is not None]
-        where = f" at {mine[0].added.effect.place} {alternatives(places)}" if places else ""
+        where = f" at {mine[0].added.effect.place} {listed(places, 'or')}" if places else ""
         said.append(f"{name}{where} ({' to '.join(dict.fromkeys((shares[0], shares[-1])))})")
-    return alternatives(said)
+    return listed(said, "or")
 
 
 def _held(model: Model, ratio: float) -> Model:
     """The model with eps as it was, and nothing else."""
-    bounds = ratio * (1 - HELD), ratio * (1 + HELD)
-    medium = model.medium.model_copy(update={"anisotropy_ratio_bounds": bounds, "anisotropy_ratio": ratio})
-    return replace(model, medium=medium)
+    return replace(model, medium=model.medium.with_ratio(ratio).within(ratio * (1 - HELD), ratio * (1 + HELD)))
 
 
 def _taken(base: Fit, found: Fit) -> float:

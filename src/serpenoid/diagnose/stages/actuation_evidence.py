@@ -91,11 +91,11 @@ def slopes_of_each(
     ]
     moved, found = iter(zip(sets, data.realised_each(sets), strict=True)), []
     for e, every in zip(some, steps, strict=True):
-        delays = isinstance(e.effect, ActuationEffect) and e.effect.dead_time
+        late = data.met(chosen)[1] if isinstance(e.effect, ActuationEffect) and e.effect.dead_time else None
         played, missed = [], []
         for step, (effects, angles) in zip(every, islice(moved, len(every)), strict=True):
             # a start that is open would follow it
-            bare = data.begun_at([effects], data.met(chosen)[1])[0] if delays else angles
+            bare = angles if late is None else data.begun_at([effects], late)[0]
             played.append(np.where(data.read, bare - here, 0.0) / step / data.noise)
             missed.append(data.slope(left, angles, step) / data.noise)
         found.append((np.stack(played), np.stack(missed)))

@@ -12,7 +12,7 @@ from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.clocks import pooled
 from serpenoid.diagnose.inference.finding import VISIBLE, Divided, Named, Rival, Stage, excludable, interval
 from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
-from serpenoid.diagnose.inference.prices import earned, most_gained
+from serpenoid.diagnose.inference.prices import PLAINLY, earned, most_gained
 from serpenoid.diagnose.stages.actuation_by_joint import Attempt, attempts
 from serpenoid.diagnose.stages.actuation_evidence import slopes_of
 from serpenoid.diagnose.stages.actuation_refit import refined
@@ -29,7 +29,6 @@ from serpenoid.parallel import in_processes
 
 AT_MOST = 7  # effects; two more than joints where these are many: all servos may be weak
 DISPLACED = "no servo need be the cause"
-PLAINLY = 10.0  # times what is needed: first order is not off by as much
 AT_REST = 0.1  # of a tick, from one reading to the next
 
 

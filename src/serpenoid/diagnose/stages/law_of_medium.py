@@ -129,6 +129,4 @@ def slipping_sideways(baseline: Baseline, alone: Callable[[Baseline], tuple[Moti
 
 def _reaching(model: Model, ratio: float) -> Model:
     """The model with eps above 1, free to go as far as it may."""
-    bounds = LEAST_EPS, MOST
-    medium = model.medium.model_copy(update={"anisotropy_ratio_bounds": bounds, "anisotropy_ratio": ratio})
-    return replace(model, medium=medium)
+    return replace(model, medium=model.medium.with_ratio(ratio).within(LEAST_EPS, MOST))

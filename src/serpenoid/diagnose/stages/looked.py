@@ -15,13 +15,12 @@ from serpenoid.diagnose.data.columns import all_keys, columns_of
 from serpenoid.diagnose.data.observation import Observation, values_of
 from serpenoid.diagnose.inference.evidence import Evidence
 from serpenoid.diagnose.inference.null import Scored, largest_by_chance
-from serpenoid.diagnose.inference.prices import Priced
+from serpenoid.diagnose.inference.prices import PLAINLY, Priced
 from serpenoid.diagnose.stages.marker_evidence import Sample, channels_left, evidence, misfit, signature
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
 
 CONVERGED = 1e-4  # chi squared: the step that gains it is a hundredth of a standard deviation, the next far smaller
-PLAINLY = 10.0  # times what is needed: first order is not off by as much
 Key = tuple[str, int | None]
 
 
