@@ -157,7 +157,14 @@ def changes(drawn: Drawn) -> dict[str, Callable[[np.random.Generator], Hidden]]:
 
     def smooth(rng: np.random.Generator) -> Hidden:
         v = vertex(rng)
-        return one("smooth_tyre", ("load", v), ("worn_wheel", v), vertex=v, factor=float(rng.uniform(0.1, 0.4)))
+        return one(
+            "smooth_tyre",
+            ("tyre_grip", v),
+            ("load", v),
+            ("worn_wheel", v),
+            vertex=v,
+            factor=float(rng.uniform(0.1, 0.4)),
+        )
 
     def payload(rng: np.random.Generator) -> Hidden:
         link, mass = int(rng.integers(robot.joints + 1)), float(rng.uniform(0.1, 0.4)) * robot.mass_kg
@@ -171,7 +178,13 @@ def changes(drawn: Drawn) -> dict[str, Callable[[np.random.Generator], Hidden]]:
         x, y, radius = *(0.15 * length * rng.normal(size=2)), float(rng.uniform(0.3, 0.5)) * length
         factor = float(rng.uniform(0.2, 0.5))
         return one(
-            "slippery_patch", ("friction_patch", None), x_m=float(x), y_m=float(y), radius_m=radius, factor=factor
+            "slippery_patch",
+            ("grip_patch", None),
+            ("friction_patch", None),
+            x_m=float(x),
+            y_m=float(y),
+            radius_m=radius,
+            factor=factor,
         )
 
     def ratchet(rng: np.random.Generator) -> Hidden:

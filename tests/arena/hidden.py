@@ -39,11 +39,13 @@ HIDDEN: dict[str, Hidden] = {
     # its neighbour carries the load: 26 % of the weight in place of 10 % (the arena's own wheel loads)
     "lifted-wheel": _one("lifted_wheel", ("load", 11), ("load", 10), vertex=11),
     # less grip sideways, the same resistance to rolling: less load and less anisotropy at once
-    "smooth-tyre": _one("smooth_tyre", ("load", 11), ("worn_wheel", 11), vertex=11, factor=0.2),
+    "smooth-tyre": _one("smooth_tyre", ("tyre_grip", 11), ("load", 11), ("worn_wheel", 11), vertex=11, factor=0.2),
     # carried by the wheels at both ends of the link and, as links give a little, by the next
     "payload": _one("payload", ("load", 7), ("load", 8), link=7, mass_kg=0.4),
     "slope": _one("slope", ("slope", None), angle_deg=2.0, downhill_deg=60.0),
-    "slippery-patch": _one("slippery_patch", ("friction_patch", None), x_m=0.1, y_m=-0.1, radius_m=0.35, factor=0.4),
+    "slippery-patch": _one(
+        "slippery_patch", ("grip_patch", None), ("friction_patch", None), x_m=0.1, y_m=-0.1, radius_m=0.35, factor=0.4
+    ),
     "ratchet": _one("ratchet", ("forward_backward_asymmetry", None), torque=0.004),
     "sideways": _one("sideways", ("left_right_asymmetry", None), factor=0.5),
     "loose-joint": _one("loose_joint", ("loose_joint", 5), joint=5, play_deg=8.0),

@@ -114,6 +114,15 @@ def _patch(rng: np.random.Generator, place: int | None, robot: Robot) -> Paramet
     return {"strength": strength, "x": float(x), "y": float(y), "radius": _log(rng, 0.12, 0.35)}
 
 
+def _grip_patch(rng: np.random.Generator, place: int | None, robot: Robot) -> Parameters:
+    strength, *where = _patch(rng, place, robot).values()
+    return dict(zip(("change", "x", "y", "radius"), (strength, *where), strict=True))
+
+
+def _tyre(rng: np.random.Generator, place: int | None, robot: Robot) -> Parameters:
+    return {"change": _log(rng, 0.2, 4.0) if rng.uniform() < 0.3 else -_log(rng, 0.2, 0.95)}
+
+
 def _swing(rng: np.random.Generator, place: int | None, robot: Robot) -> Parameters:
     return {"lag": _log(rng, 0.01, 0.15), "damping": float(rng.uniform(0.3, 1.2))}
 
@@ -166,6 +175,7 @@ CATALOGUE: dict[str, Kind] = {
     "worn_wheel": Kind(MEDIUM, AT_VERTEX, _one("seizure", 0.15, 1.0), _ground(seizure=lambda k, p: {k: p["seizure"]})),
     "rough_skin": Kind(MEDIUM, AT_VERTEX, _rough, _ground(roughness=lambda k, p: {k: p["roughness"]})),
     "load": Kind(MEDIUM, AT_VERTEX, _load, _ground(share=lambda k, p: {k: p["share"]})),
+    "tyre_grip": Kind(MEDIUM, AT_VERTEX, _tyre, _ground(tyres=lambda k, p: {k: p["change"]})),
     "dry_friction": Kind(
         MEDIUM, GLOBAL, _one("crossover_speed", 0.003, 0.5), _ground(crossover_speed=lambda k, p: p["crossover_speed"])
     ),
@@ -196,6 +206,12 @@ CATALOGUE: dict[str, Kind] = {
         MEDIUM, GLOBAL, _arrow("pull_x", "pull_y", 2e-4, 0.015), _ground(pull=lambda k, p: (p["pull_x"], p["pull_y"]))
     ),
     "friction_patch": Kind(MEDIUM, GLOBAL, _patch, _ground(patches=lambda k, p: (Patch(**p),))),
+    "grip_patch": Kind(
+        MEDIUM,
+        GLOBAL,
+        _grip_patch,
+        _ground(grip_patches=lambda k, p: (Patch(p["change"], p["x"], p["y"], p["radius"]),)),
+    ),
     "friction_gradient": Kind(
         MEDIUM,
         GLOBAL,
@@ -273,6 +289,7 @@ NEWER = (
     ("servo_delay",),
     ("camera_stretch",),
     ("servo_play",),
+    ("tyre_grip", "grip_patch"),
 )
 # Powers of a length that a parameter has: drawn for the ten-servo snake, they grow with the robot.
 LENGTHS: dict[str, dict[str, int]] = {
@@ -282,6 +299,7 @@ LENGTHS: dict[str, dict[str, int]] = {
     "track_width": {"half_track": 1},
     "slope": {"pull_x": 1, "pull_y": 1},
     "friction_patch": {"x": 1, "y": 1, "radius": 1},
+    "grip_patch": {"x": 1, "y": 1, "radius": 1},
     "friction_gradient": {"gradient_x": -1, "gradient_y": -1},
     "contact_offset": {"offset": 1},
     "marker_offset": {"along": 1, "left": 1},

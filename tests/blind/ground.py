@@ -27,6 +27,11 @@ class Patch:
     y: float
     radius: float
 
+    def factor(self, world: Floats) -> Floats:
+        """At places (.., 2)."""
+        distance2 = (world[..., 0] - self.x) ** 2 + (world[..., 1] - self.y) ** 2
+        return np.asarray(1 + self.strength * np.exp(-distance2 / (2 * self.radius**2)))
+
 
 @dataclass(frozen=True)
 class PhaseSlip:
@@ -73,6 +78,7 @@ class Ground:
     seizure: dict[int, float] = field(default_factory=dict)
     roughness: dict[int, float] = field(default_factory=dict)
     share: dict[int, float] = field(default_factory=dict)
+    tyres: dict[int, float] = field(default_factory=dict)
     dry: Dry | None = None
     crossover_speed: float = 0.0
     rolling_crossover: float = 0.0
@@ -84,6 +90,7 @@ class Ground:
     toe: float = 0.0
     pull: tuple[float, float] = (0.0, 0.0)
     patches: tuple[Patch, ...] = ()
+    grip_patches: tuple[Patch, ...] = ()
     gradient: tuple[float, float] = (0.0, 0.0)
     drift_rate: float = 0.0
     exponent: float = 1.0
@@ -102,7 +109,7 @@ class Ground:
     @property
     def knows_place(self) -> bool:
         """Does the force depend on where the body is or how it is turned?"""
-        return bool(self.patches or any(self.gradient) or any(self.pull) or self.external)
+        return bool(self.patches or self.grip_patches or any(self.gradient) or any(self.pull) or self.external)
 
     @property
     def inertial(self) -> bool:
@@ -130,12 +137,21 @@ class Ground:
             rough[vertex] += more
         return self.eps * rough * np.exp(self.drift_rate * time[..., None]) * (1 - self.locked)
 
+    def bite(self, world: Floats) -> Floats:
+        """What each tyre resists sideways, over what the others do elsewhere (S, N)."""
+        tyre = np.ones(self.robot.vertices)
+        for vertex, change in self.tyres.items():
+            tyre[vertex] += change
+        factor = np.broadcast_to(tyre, world.shape[:-1]).copy()
+        for p in self.grip_patches:
+            factor *= p.factor(world)
+        return factor
+
     def level(self, world: Floats, phase: Floats) -> Floats:
         """Weight of each contact (S, N): load, patch, gradient, phase slip."""
         w = np.broadcast_to(self.drag_weights, world.shape[:-1]).copy()
         for p in self.patches:
-            distance2 = (world[..., 0] - p.x) ** 2 + (world[..., 1] - p.y) ** 2
-            w *= 1 + p.strength * np.exp(-distance2 / (2 * p.radius**2))
+            w *= p.factor(world)
         if any(self.gradient):
             w *= np.exp(world @ np.array(self.gradient))
         for s in self.phase_slips:

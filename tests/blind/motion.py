@@ -28,17 +28,21 @@ def _to_body(vector: Floats, heading: Floats) -> Floats:
     return np.stack([c * vector[..., 0] + s * vector[..., 1], -s * vector[..., 0] + c * vector[..., 1]], axis=-1)
 
 
-def _world(ground: Ground, k: Contacts, pose: Floats, time: Floats, phase: Floats) -> tuple[Floats, Floats]:
-    """Contact levels (S, N) and external body-frame forces and moment (S, 3) at the given poses."""
+def _world(
+    ground: Ground, k: Contacts, pose: Floats, time: Floats, phase: Floats, rolling: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Contact levels and what rolling weighs beside them (S, N), external body-frame forces and moment (S, 3) at the
+    given poses; rolling: the same where tyres grip as usual."""
     world = to_world(k.r, pose)
-    level = ground.level(world, phase)
+    bite = ground.bite(world)
+    level = ground.level(world, phase) * bite
     forces = ground.external_force(world, time)
     external = np.zeros((len(pose), 3))
     if forces is not None:
         f = _to_body(forces, pose[:, 2])
         external[:, :2] = f.sum(axis=1)
         external[:, 2] = (k.r[..., 0] * f[..., 1] - k.r[..., 1] * f[..., 0]).sum(axis=1)
-    return level, external
+    return level, rolling / bite, external
 
 
 def _advance(xi: Floats, h: Floats, start: Floats) -> Floats:
@@ -66,8 +70,9 @@ def _massless(
 
         def improved(path: Floats, xi: Floats | None, part: slice = part) -> tuple[Floats, Floats]:
             kk = Contacts(k.g_matrix[part], k.g[part], k.r[part])
-            level, external = _world(ground, kk, (path[1:] + path[:-1]) / 2, middle_time[part], middle_phase[part])
-            xi = balance(ground, kk, level, rolling[part], external, guess=xi)
+            middle = (path[1:] + path[:-1]) / 2
+            level, rolls, external = _world(ground, kk, middle, middle_time[part], middle_phase[part], rolling[part])
+            xi = balance(ground, kk, level, rolls, external, guess=xi)
             return _advance(xi + slip[part], h[part], path[0]), xi
 
         pieces.append(
@@ -111,12 +116,12 @@ def _inertial(ground: Ground, time: Floats, phi: Floats, phase: Floats, start: F
         h, pose = steps[:, i], path[:, i]
         k = Contacts(touching.g_matrix[:, i], touching.g[:, i], touching.r[:, i])
         half = _moved(pose, xi + slip[:, i], h / 2)
-        level, external = _world(ground, k, half, middle_time[:, i], middle_phase[:, i])
+        level, rolls, external = _world(ground, k, half, middle_time[:, i], middle_phase[:, i], rolling[:, i])
         linear = _to_body(known[:, :2], half[:, 2])
         about = known[:, 2] - (half[:, 0] * known[:, 1] - half[:, 1] * known[:, 0])
         old = np.column_stack([linear, about])
         m = Momentum(matrices[:, i], constants[:, i] - old, h / 2)
-        xi = balance(ground, k, level, rolling[:, i], external, m, guess=xi if i else None)
+        xi = balance(ground, k, level, rolls, external, m, guess=xi if i else None)
         gained = 2 * (np.einsum("sij,sj->si", m.matrix, xi) + m.constant)  # impulse of the forces over the step
         c, sn = np.cos(half[:, 2]), np.sin(half[:, 2])
         px, py = c * gained[:, 0] - sn * gained[:, 1], sn * gained[:, 0] + c * gained[:, 1]

@@ -46,6 +46,8 @@ MODERATE: dict[str, dict[str, Any]] = {
     "toe": {"toe": 0.05},
     "slope": {"pull": (0.003, 0.002)},
     "friction_patch": {"patches": (Patch(2.0, 0.2, 0.1, 0.2),)},
+    "grip_patch": {"grip_patches": (Patch(2.0, 0.2, 0.1, 0.2),)},
+    "tyre_grip": {"tyres": {4: -0.5}},
     "friction_gradient": {"gradient": (0.5, 0.5)},
     "anisotropy_drift": {"drift_rate": 0.05},
     "power_law_drag": {"exponent": 0.6},
@@ -217,6 +219,9 @@ def left_over(ground: Ground, d: Drive) -> Floats:
     s = ground.half_track * ((along2 - along1) / 2e-5 / along).imag
 
     z = np.array([ground.seizure.get(k, 0.0) for k in range(12)])
+    bite = 1 + np.array([ground.tyres.get(k, 0.0) for k in range(12)])
+    for patch in ground.grip_patches:
+        bite = bite * (1 + patch.strength * np.exp(-(abs(p - patch.x - 1j * patch.y) ** 2) / (2 * patch.radius**2)))
     w = WEIGHTS + [ground.share.get(k, 0.0) for k in range(12)]
     w = w * np.exp(p.real * ground.gradient[0] + p.imag * ground.gradient[1])
     speed = np.sqrt(v_t**2 + v_n**2 + s**2 + CREEP**2)
@@ -226,8 +231,9 @@ def left_over(ground: Ground, d: Drive) -> Floats:
     e = EPS * np.exp(ground.drift_rate * time[:, None]) * [1 + ground.roughness.get(k, 0.0) for k in range(12)]
     e = e * (1 - ground.forward_backward * v_t / np.sqrt(v_t**2 + CREEP**2))
     rolls = (1 - z) * e * (d + ground.rolling_crossover / np.sqrt(v_t**2 + CREEP**2))
-    force = -w * (rolls * v_t + d * grip * z * v_t + 1j * d * grip * sided * v_n) * along
-    moment = (np.conj(c) * force).imag - w * d * grip * sided * s * ground.half_track
+    slides = bite * d * grip
+    force = -w * (rolls * v_t + slides * z * v_t + 1j * slides * sided * v_n) * along
+    moment = (np.conj(c) * force).imag - w * slides * sided * s * ground.half_track
     return np.column_stack([force.sum(axis=1).real, force.sum(axis=1).imag, moment.sum(axis=1)])
 
 
@@ -243,6 +249,8 @@ TOGETHER = [
     ("wheel_mount", "toe", "contact_offset", "track_width"),
     ("track_width", "friction_gradient", "anisotropy_drift"),
     ("rough_skin", "grip_saturation", "anisotropy_drift"),
+    ("tyre_grip", "worn_wheel", "track_width", "dry_friction"),
+    ("grip_patch", "load", "grip_saturation"),
 ]
 
 

@@ -16,7 +16,7 @@ from serpenoid.simulation.servos import realise, realise_gait
 from serpenoid.trajectory import Trajectory
 
 MEDIUM = [name for name, effect in catalogue().items() if effect.site == "medium"]
-KNOW_SIDES = {"left_right_asymmetry", "toe", "slope", "friction_patch", "friction_gradient"}
+KNOW_SIDES = {"left_right_asymmetry", "toe", "slope", "friction_patch", "grip_patch", "friction_gradient"}
 HOMOGENEOUS = [
     "worn_wheel",
     "rough_skin",
@@ -25,7 +25,9 @@ HOMOGENEOUS = [
     "contact_offset",
     "track_width",
     "wheel_mount",
+    "tyre_grip",
     "friction_patch",
+    "grip_patch",
     "friction_gradient",
 ]
 KNOW_SPEED = [
@@ -217,7 +219,7 @@ def test_a_patch_wider_than_the_arena_changes_nothing_but_the_drag_level(problem
     )
 
 
-@pytest.mark.parametrize("name", ["slope", "friction_patch", "friction_gradient"])
+@pytest.mark.parametrize("name", ["slope", "friction_patch", "grip_patch", "friction_gradient"])
 def test_place_matters_for_effects_of_the_floor(name: str, problem: Problem, table: np.ndarray) -> None:
     model = extended(problem, typical(name))
     here = played(model, table)

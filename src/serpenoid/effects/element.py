@@ -102,6 +102,10 @@ class Element:
         )
         return across + self.axle * self.turning**2, along
 
+    def gripping(self, factor: ca.SX) -> Element:
+        """Where the force across a wheel is `factor` times as large, and that along it as it was, in every law."""
+        return replace(self, grip=self.grip * factor, anisotropy_ratio=self.anisotropy_ratio / factor)
+
     def along(self, ratio: ca.SX) -> ca.SX:
         """What a slip along weighs beside one across: `ratio` where the wheel rolls, one where it is locked."""
         return (1 - self.locked) * ratio + self.locked

@@ -29,13 +29,14 @@ class Scan:
     """An effect's strength is its first parameter, the only one with a neutral value; the others are tried on grids.
 
     made_of: the effect of a vertex that it is to first order, but for what pulls there beside the drag: of that one's
-    parameter, strength times the vertex's weight times what is felt there. size: the parameter in which the candidates
-    of a grid are alike; the best of each size is fitted in full. begins: least and most strength where such a fit
-    begins, linear steps lead farther. grids: by the corners (2,) [m] of the floor that was visited and the body's
-    length [m].
+    parameter, strength times what is felt there (by_weight: times the vertex's share of the body's weight). size: the
+    parameter in which the candidates of a grid are alike; the best of each size is fitted in full. begins: least and
+    most strength where such a fit begins, linear steps lead farther. grids: by the corners (2,) [m] of the floor that
+    was visited and the body's length [m].
     """
 
     made_of: str
     size: str
     begins: tuple[float, float]
     grids: Callable[[Floats, Floats, float], Sequence[Grid]]
+    by_weight: bool = True

@@ -100,10 +100,11 @@ def with_scanned(motion: Motion, base: Fit, grids: Sequence[Scanned]) -> Evidenc
 
 def _columns(motion: Motion, base: Fit, grids: Sequence[Scanned]) -> Iterator[Floats]:
     """Of each track, derivatives (W, 3, P + K) by the fit's own coordinates and by the strengths of K weak candidates:
-    sums of the vertices' own derivatives, by weight and by what is felt there."""
+    sums of the vertices' own derivatives, by what is felt there."""
     length, weights = base.model.body.total_length_m, base.model.body.vertex_weights
     scale = np.array([[length], [length], [1.0]])
     parts = {g.scan.made_of: [ActiveEffect.neutral(g.scan.made_of, k) for k in range(len(weights))] for g in grids}
+    unit = {g.scan.made_of: weights if g.scan.by_weight else np.ones_like(weights) for g in grids}
     frame = of_frame(base.model.effects)
     for track, own, _ in by_track(base.model, motion.tracks, [e for p in parts.values() for e in p], base.predictions):
         _, turned = at_ends(track, own.relative * scale[:, 0], own.jacobian * scale)
@@ -115,6 +116,6 @@ def _columns(motion: Motion, base: Fit, grids: Sequence[Scanned]) -> Iterator[Fl
             mine |= {c: derivatives[..., i] for i, c in enumerate(columns_of([e]))}
         world = track.on_floor[:, None, :2] + turn(track.on_floor[:, 2:], track.vertices)
         middle = (world[1:] + world[:-1]) / 2
-        loads = {name: np.stack([by[c] for c in columns_of(p)], axis=-1) * weights for name, p in parts.items()}
+        alone = {n: np.stack([by[c] for c in columns_of(p)], axis=-1) * unit[n] for n, p in parts.items()}
         fitted = np.stack([mine[c] for c in (EPS, *columns_of(base.effects))], axis=-1)
-        yield np.concatenate([fitted, *(g.felt(middle, loads[g.scan.made_of], first) for g in grids)], axis=2)
+        yield np.concatenate([fitted, *(g.felt(middle, alone[g.scan.made_of], first) for g in grids)], axis=2)

@@ -1,0 +1,115 @@
+"""All keys together: `python -m blind.totals results/blind` writes totals.md there, and the README holds the same rows.
+
+Of each kind of campaign: how many answers are right where something is required of them, over the keys of the present
+method (`FIRST` on). Each table says of itself with which commit it was made.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from blind import table
+from blind.pages import TITLES, parts_of
+
+FIRST = 12  # gates-12: the first key with noise levels from true shapes
+RANDOM, USUAL = ("random", "laid", "weather"), ("null", "one", "two", "outside")
+CAUSES = {"null": "nothing", "one": "one effect", "two": "two effects", "outside": "outside"}
+ROWS = {
+    "random robots and protocols": RANDOM,
+    "the ten-servo snake": USUAL,
+    "healthy robots beside themselves": ("same", "days"),
+    "dry friction, with and without a reference": ("dry",),
+    "a floor whose law is not in the catalogue, the same": ("physics",),
+    "nothing played twice, beside a reference": ("once",),
+    "something begins amid the campaign": ("amid",),
+}
+Count = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Sum:
+    """Campaigns, how many keys they are of, right answers by cause, and intervals that hold the truth."""
+
+    campaigns: int
+    keys: tuple[str, ...]
+    causes: Mapping[str, Count]
+    intervals: Count
+
+
+def keys_of(root: Path) -> list[Path]:
+    """Folders of the keys, the oldest first."""
+    found = [(int(m[1]), p) for p in root.iterdir() if (m := re.fullmatch(r"gates-(\d+)[a-z]?", p.name))]
+    return [p for number, p in sorted(found) if number >= FIRST]
+
+
+def summed(root: Path, kinds: Sequence[str]) -> Sum:
+    """Over all keys; of effects those count whose strength S is 3 or more."""
+    campaigns, keys = 0, []
+    causes: dict[str, Count] = {}
+    intervals = (0, 0)
+    for folder in keys_of(root):
+        for kind, above, rows in _tables(folder, kinds):
+            campaigns += len(rows)
+            keys += [folder.name] * (folder.name not in keys)
+            for part in parts_of(kind, above, rows):
+                share = part.summary["right_where_required" if part.kind in ("one", "two") else "right"]
+                causes[part.kind] = _plus(causes.get(part.kind, (0, 0)), share)
+                intervals = _plus(intervals, part.summary["intervals_cover"])
+    return Sum(campaigns, tuple(keys), causes, intervals)
+
+
+def _tables(folder: Path, kinds: Sequence[str]) -> Iterator[tuple[str, Mapping[str, str], Sequence[Mapping[str, Any]]]]:
+    for kind in kinds:
+        above, rows = table.read(folder / f"{kind}.csv")
+        if rows:
+            yield kind, above, rows
+
+
+def _plus(count: Count, share: Mapping[str, Any]) -> Count:
+    return count[0] + share["good"], count[1] + share["of"]
+
+
+def in_the_arena(root: Path) -> Sum:
+    """Robots drawn at random in the arena, two changes each, all keys."""
+    tables = [(p.parent.name, table.read(p)[1]) for p in sorted(root.glob("any-*/any-robot.csv"))]
+    judged = [r for _, rows in tables for r in rows if "outcome" in r]
+    kinds = {
+        "null": [r for r in judged if not r["hidden"]],
+        "one": [r for r in judged if r.get("answers")],
+        "outside": [r for r in judged if r["hidden"] and not r.get("answers")],
+    }
+    causes = {k: (sum(r["outcome"] == "right" for r in rows), len(rows)) for k, rows in kinds.items()}
+    return Sum(len(judged), tuple(name for name, _ in tables), causes, (0, 0))
+
+
+def lines(root: Path) -> list[str]:
+    """The table, as the README holds it."""
+    sums = {title: summed(root, kinds) for title, kinds in ROWS.items()}
+    sums["the virtual laboratory, random robots, beside a reference"] = in_the_arena(root)
+    head = ["campaigns", *CAUSES.values(), "intervals"]
+    rows = [["of", *head], ["---"] * (len(head) + 1)]
+    for title, s in sums.items():
+        shares = [s.causes.get(cause, (0, 0)) for cause in CAUSES]
+        rows.append([title, str(s.campaigns), *map(_share, [*shares, s.intervals])])
+    return ["| " + " | ".join(row) + " |" for row in rows]
+
+
+def _share(count: Count) -> str:
+    return f"{count[0]} of {count[1]}" if count[1] else ""
+
+
+def main(root: Path) -> None:
+    """totals.md, beside the folders of the keys."""
+    assert set(TITLES) >= {kind for kinds in ROWS.values() for kind in kinds}
+    keys = summed(root, tuple(TITLES)).keys
+    head = ["# All keys", "", f"Written by `python -m blind.totals`: {keys[0]} to {keys[-1]}.", ""]
+    (root / "totals.md").write_text("\n".join([*head, *lines(root)]) + "\n")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
