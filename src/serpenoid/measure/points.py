@@ -25,6 +25,7 @@ from serpenoid.measure.cells import (
 from serpenoid.measure.child import read_in_child
 from serpenoid.measure.columns import SECONDS, find_column, refuse_other_unit
 from serpenoid.measure.individuals import chosen
+from serpenoid.measure.mocap import metres, unlabelled
 from serpenoid.measure.point_order import along_body
 from serpenoid.measure.scores import sure
 from serpenoid.measure.tracks import DOWN, METRES, Tracks, floor_plane, no_time, upright
@@ -140,8 +141,7 @@ def read_c3d(path: str | Path, up_axis: str = "z") -> Tracks:
     size = _check_c3d(read_bytes(path, RECORDING_BYTES), path)
     found = read_in_child("C3D", path, size)
     points, labels, unit, rate = found["points"].T, found["labels"].tolist(), str(found["unit"]), float(found["rate"])
-    if unit not in ("m", "cm", "mm"):
-        raise InputError(f"{path}: POINT:UNITS must be m, cm or mm, got {unit[:20]!r}.")
+    unit_m = metres(unit, path)
     hidden = (found["residuals"].T < 0) | (points == 0).all(axis=2)
     points[hidden] = np.nan
     if not points.size or not 0 < rate < 1e5:
@@ -150,8 +150,8 @@ def read_c3d(path: str | Path, up_axis: str = "z") -> Tracks:
         raise InputError(f"{path}: POINT:LABELS names {len(labels)} of {points.shape[1]} points.")
     whole_points(points, 0, range(len(labels)), labels, path)
     times = np.arange(len(points)) / rate
-    tracks = _tracks(times, labels[: points.shape[1]], floor_plane(points, up_axis), unit, path)
-    return replace(tracks, space=points * METRES[unit])
+    tracks = _tracks(times, labels[: points.shape[1]], unit_m * floor_plane(points, up_axis), "m", path)
+    return replace(tracks, space=points * unit_m, unlabelled=unlabelled(tracks.names))
 
 
 def _check_c3d(data: bytes, path: Path) -> int:
@@ -161,7 +161,8 @@ def _check_c3d(data: bytes, path: Path) -> int:
     points, analog, first, last, start = (int(np.frombuffer(data[:512], "<u2")[k]) for k in (1, 2, 3, 4, 8))
     if data[(data[0] - 1) * 512 + 3 : (data[0] - 1) * 512 + 4] not in (b"\x54", b"\x00", b""):
         return len(data)  # another processor's byte order
-    needed = 512 * (start - 1) + 2 * (last - first + 1) * (4 * points + analog)
+    each = 4 if np.frombuffer(data[12:16], "<f4")[0] < 0 else 2  # bytes of a number: of floats the scale is negative
+    needed = 512 * (start - 1) + each * (last - first + 1) * (4 * points + analog)
     if last < first or start < 2 or not points or needed > len(data):
         raise InputError(f"{path}: the C3D header promises more than the file holds. Was the copy cut off?")
     return len(data)
