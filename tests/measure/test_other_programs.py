@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import h5py
@@ -9,8 +11,10 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
+from serpenoid.cli.main import main
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import MotionKeys
+from serpenoid.measure.own_names import advice
 from serpenoid.measure.readers import READERS
 from serpenoid.measure.tracks import Tracks
 from serpenoid.scaffold.film_format import format_of
@@ -199,3 +203,130 @@ def test_an_hdf5_file_that_no_reader_is_for_is_told_by_what_it_holds(tmp_path, n
     data = (tmp_path / "m.slp").read_bytes()
     (tmp_path / "m.h5").write_bytes(data[: len(data) // 2])
     assert "not a readable HDF5 file" in refusal(tmp_path / "m.h5")
+
+
+def table(
+    path: Path, above: str, header: Sequence[str], below: Sequence[str], separator: str = ",", end: str = ""
+) -> None:
+    """Times and points [mm] of all frames below rows of facts, a header and rows of labels; one point is hidden."""
+    rows = [separator.join(header), *below]
+    for frame, row in enumerate(POINTS):
+        cells = [f"{value:.5f}" for value in row.ravel()]
+        cells[6:8] = ["-", "-"] if frame == 3 else cells[6:8]
+        cells = [f"{TIME[frame]:.3f}", *cells]
+        rows.append(separator.join(cell.replace(".", ",") if separator == ";" else cell for cell in cells) + end)
+    path.write_text(above + "\n".join(rows) + "\n")
+
+
+IN_PAIRS = ["Trial time", *(f"{axis} {name}" for name in NAMES for axis in "XY")]
+NAMED = {"time": "Trial time", "x": "X *", "y": "Y *"}
+FACTS = '"Number of header lines:";"38";\n"Subject";"Worm 1";\n"Start";"01.05.2024 12:00";\n"";"";\n'
+
+
+def same(found: Tracks) -> None:
+    hidden = np.argwhere(~found.seen).tolist()
+    assert hidden == [[3, 3]]
+    np.testing.assert_allclose(1e3 * found.floor[found.seen], POINTS[found.seen], atol=1e-5)
+    np.testing.assert_allclose(found.time_s, TIME, atol=1e-9)
+
+
+@pytest.mark.parametrize(("above", "below", "separator", "end"), [
+    ("", [], ",", ""), (FACTS, [";".join(["s"] + ["mm"] * 12) + ";"], ";", ";"),
+    ("a: b\nc: d\n\n", [",".join(["time"] + ["X", "Y"] * 6), ",".join(["(sec)"] + ["(mm)"] * 12)], ",", ""),
+], ids=["bare", "facts and units", "labels and units"])  # fmt: skip
+def test_facts_above_a_header_and_labels_and_units_below_it_are_passed_over(tmp_path, above, below, separator, end):
+    table(tmp_path / "m.csv", above, IN_PAIRS, below, separator, end)
+    found = read(tmp_path / "m.csv", "tidy", columns=NAMED, length_unit="mm")
+    same(found)
+    assert list(found.names) == NAMES
+    said = refusal(tmp_path / "m.csv", "tidy", length_unit="mm")
+    assert f"row {above.count(chr(10)) + 1}, column A" in said
+    assert '`columns = { time = "Trial time", x = "X *", y = "Y *" }`' in said
+
+
+def test_a_row_of_units_that_says_another_than_it_is_read_in_is_refused_by_its_cell(tmp_path):
+    table(tmp_path / "m.csv", FACTS, IN_PAIRS, [";".join(["s"] + ["mm"] * 12) + ";"], ";", ";")
+    said = refusal(tmp_path / "m.csv", "tidy", columns=NAMED, length_unit="cm")
+    assert 'row 6, column B: says mm, and the column is read in cm: `length_unit = "mm"`' in said
+    said = refusal(tmp_path / "m.csv", "tidy", columns=NAMED, length_unit="mm", time_unit="ms")
+    assert 'row 6, column A: says s, and the column is read in ms: `time_unit = "s"`' in said
+
+
+def test_a_fault_below_facts_is_named_by_its_row_in_the_file(tmp_path):
+    table(tmp_path / "m.csv", "a: b\nc: d\n", IN_PAIRS, ["s" + ",mm" * 12])
+    lines = (tmp_path / "m.csv").read_text().splitlines()
+    lines[9] = lines[9].replace(",", ",lost", 1)
+    (tmp_path / "m.csv").write_text("\n".join(lines) + "\n")
+    assert "row 10, column B (`X tail`): must be a number" in refusal(
+        tmp_path / "m.csv", "tidy", columns=NAMED, length_unit="mm"
+    )
+    lines[9] = lines[9].rsplit(",", 1)[0]
+    (tmp_path / "m.csv").write_text("\n".join(lines) + "\n")
+    assert "row 10: has 12 cells" in refusal(tmp_path / "m.csv", "tidy", columns=NAMED, length_unit="mm")
+
+
+def test_a_header_may_go_on_beyond_the_numbers_and_never_the_other_way_round(tmp_path):
+    """As LabVIEW's, with `Comment`; a row more than its header may be shifted by a column."""
+    table(tmp_path / "m.csv", "", [*IN_PAIRS, "Comment"], [])
+    same(read(tmp_path / "m.csv", "tidy", columns=NAMED, length_unit="mm"))
+    table(tmp_path / "m.csv", "", [*IN_PAIRS[:1], *IN_PAIRS[1:-2]], [])
+    assert "has 13 cells where the header has 11" in refusal(tmp_path / "m.csv", "tidy", columns=NAMED)
+
+
+@pytest.mark.parametrize("labels", [0, 3])
+def test_rows_of_spots_below_several_rows_of_labels_are_read(tmp_path, labels):
+    rows = ["LABEL,TRACK_ID,POSITION_X,POSITION_Y,POSITION_T", *(
+        "Label,Track ID,X,Y,T", "Label,Track ID,X,Y,T", ",,(micron),(micron),(sec)")[:labels]]  # fmt: skip
+    rows += [
+        f"ID{9 * frame + k},{k},{x:.5f},{y:.5f},{TIME[frame]}"
+        for k in reversed(range(6))
+        for frame, (x, y) in enumerate(POINTS[:, k])
+        if (frame, k) != (3, 3)
+    ]
+    (tmp_path / "m.csv").write_text("\n".join(rows) + "\n")
+    columns = {"time": "POSITION_T", "point": "TRACK_ID", "x": "POSITION_X", "y": "POSITION_Y"}
+    found = read(tmp_path / "m.csv", "long", columns=columns, length_unit="um")
+    assert np.argwhere(~found.seen).tolist() == [[3, 3]]
+    np.testing.assert_allclose(1e6 * found.floor[found.seen], POINTS[found.seen], atol=1e-5)
+    assert 'x = "POSITION_X", y = "POSITION_Y" }` and `length_unit`' in advice(rows[0].split(","))
+    if labels:
+        said = refusal(tmp_path / "m.csv", "long", columns=columns, length_unit="mm")
+        assert "row 4, column C: says um, and the column is read in mm" in said
+
+
+def test_a_star_stands_for_words_of_one_kind_that_have_both_columns(tmp_path):
+    header = ["t", *(f"{name}/{axis}" for name in NAMES for axis in "xy")]
+    table(tmp_path / "m.csv", "", header, [])
+    keys = {"columns": {"time": "t", "x": "*/x", "y": "*/y"}, "length_unit": "mm"}
+    same(read(tmp_path / "m.csv", "tidy", **keys))
+    table(tmp_path / "m.csv", "", [*header[:-1], "nose/y"], [])
+    assert "in place of `*` has a column of x or of y alone" in refusal(tmp_path / "m.csv", "tidy", **keys)
+    poses = [f"pose{k}.{what}.{axis}" for what in ("at", "turn") for k in range(3) for axis in "xy"]
+    table(tmp_path / "m.csv", "", ["t", *poses], [])
+    said = refusal(tmp_path / "m.csv", "tidy", columns={"time": "t", "x": "*.x", "y": "*.y"})
+    assert "stands for several kinds of points: pose*.at, pose*.turn" in said
+
+
+@pytest.mark.parametrize(("header", "columns"), [
+    ("time,tail_x,tail_y,b1_x,b1_y,b2_x,b2_y,head_x,head_y", 'time = "time", x = "*_x", y = "*_y"'),
+    ("frame,p0_x,p0_y,p0_conf,p1_x,p1_y,p1_conf", 'frame = "frame", x = "p*_x", y = "p*_y"'),
+    ("pt1_cam1_X,pt1_cam1_Y,pt2_cam1_X,pt2_cam1_Y", 'x = "pt*_cam1_X", y = "pt*_cam1_Y"'),
+    ("%time,seq,p0.at.x,p0.at.y,p0.turn.x,p0.turn.y,p1.at.x,p1.at.y,p1.turn.x,p1.turn.y",
+     'time = "%time", x = "p*.at.x", y = "p*.at.y"'),
+    ("time,child_frame_id,x,y,qx,qy", 'time = "time", point = "child_frame_id", x = "x", y = "y"'),
+    ("frame,id,x,y,yaw", 'frame = "frame", point = "id", x = "x", y = "y"'),
+    ("t,x,y,t,x,y", 'time = "Time (s)", x = "M*_x", y = "M*_y"'),
+])  # fmt: skip
+def test_advice_names_the_columns_of_a_file(header, columns):
+    said = advice(header.split(","))
+    found = re.search(r"`columns = {(.*?)}`", said)
+    assert found is not None
+    assert found[1].strip() == columns
+
+
+def test_a_film_whose_names_say_that_an_end_stands_between_others_makes_no_campaign(tmp_path, capsys):
+    header = ["t", *(f"{name}_{axis}" for name in ("center", "nose", "b", "c", "d", "tail") for axis in "xy")]
+    table(tmp_path / "m.csv", "", header, [])
+    asked = ["new", "campaign", str(tmp_path / "c"), "--film", str(tmp_path / "m.csv"), "--yes"]
+    assert main([*asked, "--columns", "time=t,x=*_x,y=*_y", "--length-unit", "mm"]) == 2
+    assert "has `nose` between other points, in the order center, nose, b, c, d, tail" in capsys.readouterr().err

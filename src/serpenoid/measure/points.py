@@ -24,6 +24,7 @@ from serpenoid.measure.cells import (
 )
 from serpenoid.measure.child import read_in_child
 from serpenoid.measure.columns import SECONDS, find_column, refuse_other_unit
+from serpenoid.measure.header import first_row, header_row, width_of
 from serpenoid.measure.individuals import chosen
 from serpenoid.measure.mocap import metres, unlabelled
 from serpenoid.measure.point_order import along_body
@@ -48,7 +49,8 @@ def read_long(
     own names (time or frame). Points are numbers, or names (`point_order`)."""
     path = Path(path)
     rows = read_rows(path)
-    header = [cell.strip() for cell in rows[0]]
+    at = header_row(rows, lambda row: set(columns.values()) <= set(row))
+    header = [cell.strip() for cell in rows[at]]
     found = {role: find_column(header, name, role, path, OTHER_NAMES) for role, name in columns.items()}
     clock = "time" if "time" in columns else "frame"
     if clock == "frame" and not frames_per_second:
@@ -57,13 +59,16 @@ def read_long(
     refuse_other_unit([columns[clock]], time_unit, SECONDS if clock == "time" else (), "time_unit", path)
     refuse_other_unit([columns["x"], columns["y"]], length_unit, METRES, "length_unit", path)
     where = [found[role] for role in roles]
-    called = _numbered(rows, found["point"])
-    data = block(rows, 1, where, [columns[role] for role in roles], path)
-    _refuse_empty(data[:, :2], where, rows, path)
-    whole_points(data[:, None, 2:], 1, where[2:3], [columns["x"]], path)
+    units = {found[role]: ("length_unit", length_unit) for role in "xy"}
+    units |= {} if clock == "frame" else {found[clock]: ("time_unit", time_unit)}
+    first = first_row(rows, at, [found[role] for role in (clock, "x", "y")], units, path)
+    called = _numbered(rows[first:], found["point"])
+    data = block(rows, first, where, [columns[role] for role in roles], path, width_of(rows, first, header, where))
+    _refuse_empty(data[:, :2], first, where, roles, columns, path)
+    whole_points(data[:, None, 2:], first, where[2:3], [columns["x"]], path)
     if clock == "frame":
-        whole_frames(data[:, 0], 1, where[0], path, columns[clock])
-    own = _own(rows, found.get("individual"), individual, path)
+        whole_frames(data[:, 0], first, where[0], path, columns[clock])
+    own = _own(rows[first:], found.get("individual"), individual, path)
     data = data[own]
     stamps, frame = np.unique(data[:, 0], return_inverse=True)
     points, slot = np.unique(data[:, 1], return_inverse=True)
@@ -72,7 +77,7 @@ def read_long(
         row = int(own[np.setdiff1d(np.arange(len(data)), again)[0]])
         cure = "" if "individual" in columns else SEVERAL
         raise InputError(
-            f"{place(path, row + 1, where[1], columns['point'])}: this point is twice in one frame.{cure}{TWICE}"
+            f"{place(path, row + first, where[1], columns['point'])}: this point is twice in one frame.{cure}{TWICE}"
         )
     if len(stamps) * len(points) > MOST_CELLS:
         raise InputError(f"{path}: {len(stamps)} times of {len(points)} points: is `{columns['point']}` their number?")
@@ -90,12 +95,12 @@ def read_long(
 
 def _numbered(rows: Rows, column: int) -> list[str]:
     """Names of points, whose cells become their numbers (0, ...); none where any is a number already."""
-    cells = [row[column].strip() for row in rows[1:] if len(row) > column]
+    cells = [row[column].strip() for row in rows if len(row) > column]
     names = list(dict.fromkeys(cell for cell in cells if not missing(cell)))
     if any(number(name) is not None for name in names):
         return []
     place_of = {name: str(k) for k, name in enumerate(names)}
-    for row in rows[1:]:
+    for row in rows:
         if len(row) > column:
             row[column] = place_of.get(row[column].strip(), "")
     return names
@@ -119,7 +124,7 @@ def read_sleap(
     names = [cell[:-2] for cell in header if cell.endswith(".x")]
     if not names:
         raise InputError(f"{path}: row 1: no column ends in `.x`: not a SLEAP export.")
-    own = _own(rows, header.index("track") if "track" in header else None, individual, path)
+    own = _own(rows[1:], header.index("track") if "track" in header else None, individual, path)
     wanted = ["frame_idx"] + [f"{name}.{part}" for name in names for part in ("x", "y", "score")]
     for name in wanted:
         if name not in header:
@@ -173,18 +178,20 @@ def _tracks(times: Floats, names: list[str], floor: Floats, length_unit: str, pa
     return Tracks(times, tuple(names), scaled, str(path), (False,) * len(names), length_unit != "px")
 
 
-def _refuse_empty(data: Floats, where: list[int], rows: Rows, path: Path) -> None:
+def _refuse_empty(
+    data: Floats, first: int, where: list[int], roles: list[str], columns: dict[str, str], path: Path
+) -> None:
     empty = np.argwhere(~np.isfinite(data))
     if empty.size:
         row, column = (int(i) for i in empty[0])
-        raise InputError(f"{place(path, row + 1, where[column], rows[0][where[column]])}: must not be empty.")
+        raise InputError(f"{place(path, row + first, where[column], columns[roles[column]])}: must not be empty.")
 
 
 def _own(rows: Rows, column: int | None, individual: str | None, path: Path) -> NDArray[np.int64]:
-    """Which rows below the header are of the individual that is wanted, whose name is in a column."""
+    """Which of these rows are of the individual that is wanted, whose name is in a column."""
     if column is None:
         chosen([], individual, path)
-        return np.arange(len(rows) - 1)
-    names = [row[column].strip() if len(row) > column else "" for row in rows[1:]]
+        return np.arange(len(rows))
+    names = [row[column].strip() if len(row) > column else "" for row in rows]
     wanted = chosen(names, individual, path)
     return np.flatnonzero([name == wanted for name in names])

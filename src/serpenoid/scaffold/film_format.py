@@ -10,8 +10,8 @@ from serpenoid.errors import InputError
 from serpenoid.measure.cells import read_rows
 from serpenoid.measure.hdf5_files import hdf5, inside, is_hdf5
 from serpenoid.measure.matlab import OF_IDTRACKER, TRAJECTORIES
+from serpenoid.measure.own_names import FIRST_CELLS
 from serpenoid.measure.pandas_table import is_pandas
-from serpenoid.measure.tidy import FIRST_CELLS
 
 BY_SUFFIX = {".c3d": "c3d", ".mat": "array", ".npy": "array", ".trc": "trc", ".wcon": "wcon", ".json": "wcon"}
 BY_CELL = (("frame_idx", "sleap"), ("poseX0", "trex"), ("point", "long"), ("bodypart", "long"))  # of a header
