@@ -387,7 +387,7 @@ def test_what_matlab_saved_is_the_same_and_what_is_damaged_is_refused(tmp_path, 
             read_array(tmp_path / "m.mat", Timing())
     for hdf5 in (b"MATLAB 7.3 MAT-file", b"\x89HDF\r\n"):
         (tmp_path / "m.mat").write_bytes(hdf5 + bytes(500))
-        with pytest.raises(InputError, match=r"`load m.mat`, then `save\('m.mat', 't_s', 'points', '-v7'\)`"):
+        with pytest.raises(InputError, match="m.mat: not a readable HDF5 file"):
             read_array(tmp_path / "m.mat", Timing())
     (tmp_path / "m.mat").write_bytes(b"MATLAB 7.3 MAT-file" + bytes(500))
     with pytest.raises(InputError, match='but one of MATLAB.*`format = "array"`'):

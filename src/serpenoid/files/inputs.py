@@ -29,10 +29,11 @@ DEEPEST = 32  # sections within sections; what the package writes has 7
 CELL_CHARACTERS = 100_000
 GZIP = b"\x1f\x8b"
 NO_TEXT = {
-    b"PK\x03\x04": "a spreadsheet (xlsx, ods) or another zip archive. Save the sheet as CSV in UTF-8",
+    b"PK\x03\x04": "a spreadsheet (xlsx, ods) or another zip archive. Save the sheet as CSV in UTF-8, or unpack it",
     b"\xd0\xcf\x11\xe0": "an old spreadsheet (xls). Save the sheet as CSV in UTF-8",
     b"MATLAB ": 'one of MATLAB\'s: is `format = "array"` meant?',
     b"\x02P": 'a C3D file: is `format = "c3d"` meant?',
+    b"<?xml": "one of XML. Export a table of points as CSV",
     b"\x89HDF": "an HDF5 file. Is `format` that of another program, or the file to be exported as CSV?",
 }  # what files begin with that are often taken for text
 DECIMAL_COMMA = re.compile(r"\s*[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?\s*", re.ASCII)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,12 @@ from serpenoid.measure.trackers import Timing, as_tracks
 from serpenoid.measure.tracks import Tracks, no_time, upright
 
 AXES = 3
+LEAST = 4  # frames and points, from which they can be told apart
+UNLIKE = 4.0  # times as much do distances vary that are no edges of a body
+KEPT = ", whose distances stay the same from frame to frame far better if frames are points"
 STRUCTURE = re.compile(r"`(.*)` \(struct: (.*)\)")
+CELL = re.compile(r"`(.*)` \(cell of .*\)")
+COMPLEX = re.compile(r"`(.*)` \(complex, .*\)")
 
 
 def read_array(path: str | Path, timing: Timing) -> Tracks:
@@ -35,13 +41,15 @@ def read_array(path: str | Path, timing: Timing) -> Tracks:
         group = f" {OF_IDTRACKER}" if any(TRAJECTORIES in said for said in there) else ""
         raise InputError(
             f"{path}: needs `points` (F, N, 2), or `x` and `y` (F, N), of F frames and N points; it has "
-            f"{', '.join(there) or 'neither'}.{cure}{_of_structures(others, path)}{group}"
+            f"{', '.join(there) or 'neither'}.{cure}{_of_others(others, path)}{group}"
         )
-    if clock is not None and clock.size == points.shape[1] != len(points):
+    told = clock is not None and clock.size == points.shape[1] != len(points)
+    if told or (clock is None and _turned(points)):
         turned = "`x` and `y`, transposed" if apart else f"`{_permuted((1, 0, 2), by_matlab)}`"
         raise InputError(
-            f"{path}: has {clock.size} times for {len(points)} frames of {points.shape[1]} points. Are its points in "
-            f"rows, and its frames in columns? Save {turned}."
+            f"{path}: has {f'{clock.size} times for ' if clock is not None else ''}{len(points)} frames of "
+            f"{points.shape[1]} points{'' if told else KEPT}. Are its points in rows, and its frames in columns? Save "
+            f"{turned}."
         )
     if "t_s" in arrays:
         times = arrays["t_s"].ravel()
@@ -51,6 +59,18 @@ def read_array(path: str | Path, timing: Timing) -> Tracks:
         raise no_time(path, "has no `t_s`")
     unit = timing.length_unit or "m"
     return as_tracks(path, times, upright(points, unit), unit)
+
+
+def _turned(points: Floats) -> bool:
+    """Whether steps from frame to frame of points (F, N, 2) are alike as the edges of a body are, and its edges not."""
+    if min(points.shape[:2]) < LEAST:
+        return False
+    varied = []
+    for axis in (0, 1):
+        steps = np.linalg.norm(np.diff(points, axis=1 - axis), axis=2)
+        steps = steps[:, np.isfinite(steps).all(axis=0)] if axis == 0 else steps[np.isfinite(steps).all(axis=1)].T
+        varied.append(float(np.median(steps.std(axis=0) / np.maximum(steps.mean(axis=0), 1e-300))) if steps.size else 0)
+    return 0 < varied[1] < varied[0] / UNLIKE
 
 
 def read_npz(path: Path) -> dict[str, Floats]:
@@ -91,13 +111,28 @@ def _permuted(order: tuple[int, ...], by_matlab: bool) -> str:
     return f"points.transpose({', '.join(map(str, order))})"
 
 
-def _of_structures(others: list[str], path: Path) -> str:
-    """How arrays come out of a structure of MATLAB, if one is there."""
-    found = next(filter(None, map(STRUCTURE.fullmatch, others)), None)
-    if found is None:
-        return ""
-    name, fields = found[1], found[2].split(", ")
+def _of_others(others: list[str], path: Path) -> str:
+    """How arrays come out of a structure, a cell or complex numbers of MATLAB, if there are such."""
+    for said in others:
+        if found := STRUCTURE.fullmatch(said):
+            return _of_structure(found[1], found[2].split(", "), path)
+        if found := CELL.fullmatch(said):
+            made = f"points = permute(cat(3, {found[1]}{{:}}), [3 1 2]);"
+            return f" Cells are not read; of one (N, 2) a frame, in MATLAB `{made} {_saved(path, ('points', 't_s'))}`."
+        if found := COMPLEX.fullmatch(said):
+            made = f"x = real({found[1]}); y = imag({found[1]});"
+            return f" Complex numbers are not read: in MATLAB `{made} {_saved(path, ('x', 'y', 't_s'))}`."
+    return ""
+
+
+def _of_structure(name: str, fields: list[str], path: Path) -> str:
+    if "Trajectories" in fields:
+        return ' Is it an export of QTM? Take that as TSV or C3D: `format = "qualisys"` or "c3d".'
     known = [field for field in MAT_ARRAYS if field in fields]
     taken = " ".join(f"{field} = {name}.{field};" for field in known) or f"points = {name}.FIELD; t_s = {name}.FIELD;"
-    saved = ", ".join(f"'{field}'" for field in known or ("points", "t_s"))
-    return f" Arrays within a structure are not read: in MATLAB `{taken} save('{path.name}', {saved}, '-v7')`."
+    return f" Arrays within a structure are not read: in MATLAB `{taken} {_saved(path, known or ('points', 't_s'))}`."
+
+
+def _saved(path: Path, names: Sequence[str]) -> str:
+    quoted = ", ".join(f"'{name}'" for name in names)
+    return f"save('{path.name}', {quoted}, '-v7')"

@@ -60,7 +60,7 @@ def read_rows(path: Path, live: bool = False) -> Rows:
     if not rows:
         raise InputError(f"{path}: holds no complete row.")
     words = [len(row[0].split()) for row in rows[:2] if len(row) == 1]
-    if len(words) == 2 and words[0] == words[1] > 1:
+    if len(words) == 2 and words[0] == words[1] > 1 and all(len(row) == 1 for row in rows):
         raise InputError(
             f"{path}: row 1: is one cell of {words[0]} words, as is the next: spaces separate nothing here. Write "
             "commas, semicolons or tabs between cells."

@@ -21,6 +21,7 @@ from serpenoid.errors import InputError
 TIMEOUT_S = 120
 OTHERS = "others"  # in words
 MAT_ARRAYS = ("t_s", "frame", "points", "x", "y")
+NUMBERS = "biuf"  # kinds of types of NumPy
 OWN = "_"  # before names that a file gives: `file` is a word of savez
 Arrays = dict[str, Any]
 
@@ -82,15 +83,20 @@ def _matlab() -> Callable[[str], Arrays]:
     from scipy.io import loadmat, whosmat
 
     def told(path: str, name: str, shape: tuple[int, ...], kind: str) -> str:
-        if kind != "struct":
-            return f"`{name}` ({', '.join(map(str, shape))})"
-        fields = loadmat(path, appendmat=False, variable_names=[name])[name].dtype.names or ()
-        return f"`{name}` (struct: {', '.join(fields)})"
+        size = ", ".join(map(str, shape))
+        if kind == "cell":
+            return f"`{name}` (cell of {np.prod(shape)})"
+        found = np.asarray(loadmat(path, appendmat=False, variable_names=[name]).get(name))
+        if kind == "struct":
+            return f"`{name}` (struct: {', '.join(found.dtype.names or ())})"
+        words = {"c": "complex, "} | dict.fromkeys(NUMBERS, "")
+        return f"`{name}` ({words.get(found.dtype.kind, f'{kind}, ')}{size})"
 
     def read(path: str) -> Arrays:
         found = loadmat(path, appendmat=False, variable_names=MAT_ARRAYS)
-        arrays = {name: np.asarray(found[name], dtype=float) for name in MAT_ARRAYS if name in found}
-        others = [told(path, *of) for of in whosmat(path, appendmat=False) if of[0] not in MAT_ARRAYS]
+        given = {name: np.asarray(found[name]) for name in MAT_ARRAYS if name in found}
+        arrays = {name: array.astype(float) for name, array in given.items() if array.dtype.kind in NUMBERS}
+        others = [told(path, *of) for of in whosmat(path, appendmat=False) if of[0] not in arrays]
         return arrays | {OTHERS: np.array(others, dtype="U")}
 
     return read
@@ -102,7 +108,7 @@ def _numpy() -> Callable[[str], Arrays]:
     def read(path: str) -> Arrays:
         found = np.load(path, allow_pickle=False)
         arrays = {"points": found} if isinstance(found, np.ndarray) else {name: found[name] for name in found.files}
-        words = next((name for name, array in arrays.items() if array.dtype.kind not in "biuf"), None)
+        words = next((name for name, array in arrays.items() if array.dtype.kind not in NUMBERS), None)
         if words is not None:
             raise ValueError(f"`{words}` holds no numbers ({arrays[words].dtype})")
         return {name: np.asarray(array, dtype=float) for name, array in arrays.items()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Collection, Sequence
 from math import pi
 from pathlib import Path
@@ -84,6 +85,44 @@ def numbered(header: Sequence[str], wanted: str | Sequence[str], role: str, path
                 "A list names the columns one by one."
             )
     return [name for _, name in found]
+
+
+def by_words(header: Sequence[str], across: str, up: str, path: Path) -> tuple[tuple[str, ...], list[list[str]]]:
+    """The words for which `*` stands in names of columns, as they follow each other in the file, and the columns of x
+    and of y. Raises InputError for one that has no column of the other."""
+    words = []
+    for wanted in (across, up):
+        form = re.compile("(.+)".join(map(re.escape, wanted.split("*"))))
+        found = [m[1] for name in header if "*" in wanted and (m := form.fullmatch(name))]
+        words.append(found)
+    kinds = Counter(re.sub(r"[0-9]+", "*", word) for word in words[0])
+    if len(kinds) > 1 and min(kinds.values()) > 1:
+        raise InputError(
+            f"{path}: `columns`: `*` of `{across}` stands for several kinds of points: {shown(list(kinds))}. Say more "
+            "of the name beside it, or list the names one by one."
+        )
+    alone = [word for word in words[0] + words[1] if (word in words[0]) != (word in words[1])]
+    if alone:
+        raise InputError(
+            f"{path}: `columns`: `{alone[0]}` in place of `*` has a column of x or of y alone; the file has "
+            f"{shown(header)}. A list names the columns one by one."
+        )
+    return tuple(words[0]), [[wanted.replace("*", word) for word in words[0]] for wanted in (across, up)]
+
+
+def has_columns(header: Sequence[str], columns: MotionColumns) -> bool:
+    """Whether a row has all the columns that are named, and one at least of each that stands for several."""
+
+    def there(wanted: str | tuple[str, ...] | None) -> bool:
+        if not isinstance(wanted, str) or wanted.count("*") != 1:
+            return set([wanted] if isinstance(wanted, str) else wanted or ()) <= set(header)
+        form = re.compile("(.+)".join(map(re.escape, wanted.split("*"))))
+        return any(form.fullmatch(name) for name in header)
+
+    return all(
+        there(wanted)
+        for wanted in (columns.time, columns.frame, columns.point, columns.individual, columns.x, columns.y)
+    )
 
 
 def find_column(header: Sequence[str], name: str, role: str, path: Path, cure: str = "") -> int:

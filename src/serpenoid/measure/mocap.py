@@ -10,7 +10,7 @@ import numpy as np
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Rows, block, increasing_times, whole_points
-from serpenoid.measure.tracks import METRES, Tracks, floor_plane
+from serpenoid.measure.tracks import LENGTHS, METRES, Tracks, floor_plane
 
 Triples = dict[str, tuple[int, int, int]]  # marker -> its X, Y, Z columns
 # `Unlabeled:108` of Motive, `*108` of Vicon, `New 0108` of Qualisys
@@ -27,9 +27,15 @@ def in_succession(names: Sequence[str], first: int, path: Path) -> Triples:
 
 def metres(unit: str, path: Path) -> float:
     """One unit of a file that says which."""
-    if unit not in ("m", "cm", "mm"):
+    known = LENGTHS.get(unit.casefold())
+    if known not in ("m", "cm", "mm"):
         raise InputError(f"{path}: the unit of its positions must be m, cm or mm, got {unit[:20]!r}.")
-    return METRES[unit]
+    return METRES[known]
+
+
+def unlabelled(names: Sequence[str]) -> tuple[bool, ...]:
+    """Which of these names stand for a marker that nobody has named."""
+    return tuple(bool(UNLABELLED.search(name)) for name in names)
 
 
 def in_space(
@@ -58,9 +64,8 @@ def in_space(
     positions = data[:, len(counted) :].reshape(len(data), len(markers), 3) * unit_m
     positions[(positions == 0).all(axis=2)] = np.nan
     positions = whole_points(positions, first, [triple[0] for triple in markers.values()], list(markers), path)
-    unlabelled = tuple(bool(UNLABELLED.search(name)) for name in markers)
     floor = floor_plane(positions, up_axis)
-    return Tracks(times / rate, tuple(markers), floor, str(path), unlabelled, space=positions)
+    return Tracks(times / rate, tuple(markers), floor, str(path), unlabelled(list(markers)), space=positions)
 
 
 def fact(facts: Mapping[str, str], key: str, path: Path) -> float:

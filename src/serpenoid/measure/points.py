@@ -24,7 +24,9 @@ from serpenoid.measure.cells import (
 )
 from serpenoid.measure.child import read_in_child
 from serpenoid.measure.columns import SECONDS, find_column, refuse_other_unit
+from serpenoid.measure.header import first_row, header_row, width_of
 from serpenoid.measure.individuals import chosen
+from serpenoid.measure.mocap import metres, unlabelled
 from serpenoid.measure.point_order import along_body
 from serpenoid.measure.scores import sure
 from serpenoid.measure.tracks import DOWN, METRES, Tracks, floor_plane, no_time, upright
@@ -47,7 +49,8 @@ def read_long(
     own names (time or frame). Points are numbers, or names (`point_order`)."""
     path = Path(path)
     rows = read_rows(path)
-    header = [cell.strip() for cell in rows[0]]
+    at = header_row(rows, lambda row: set(columns.values()) <= set(row))
+    header = [cell.strip() for cell in rows[at]]
     found = {role: find_column(header, name, role, path, OTHER_NAMES) for role, name in columns.items()}
     clock = "time" if "time" in columns else "frame"
     if clock == "frame" and not frames_per_second:
@@ -56,13 +59,16 @@ def read_long(
     refuse_other_unit([columns[clock]], time_unit, SECONDS if clock == "time" else (), "time_unit", path)
     refuse_other_unit([columns["x"], columns["y"]], length_unit, METRES, "length_unit", path)
     where = [found[role] for role in roles]
-    called = _numbered(rows, found["point"])
-    data = block(rows, 1, where, [columns[role] for role in roles], path)
-    _refuse_empty(data[:, :2], where, rows, path)
-    whole_points(data[:, None, 2:], 1, where[2:3], [columns["x"]], path)
+    units = {found[role]: ("length_unit", length_unit) for role in "xy"}
+    units |= {} if clock == "frame" else {found[clock]: ("time_unit", time_unit)}
+    first = first_row(rows, at, [found[role] for role in (clock, "x", "y")], units, path)
+    called = _numbered(rows[first:], found["point"])
+    data = block(rows, first, where, [columns[role] for role in roles], path, width_of(rows, first, header, where))
+    _refuse_empty(data[:, :2], first, where, roles, columns, path)
+    whole_points(data[:, None, 2:], first, where[2:3], [columns["x"]], path)
     if clock == "frame":
-        whole_frames(data[:, 0], 1, where[0], path, columns[clock])
-    own = _own(rows, found.get("individual"), individual, path)
+        whole_frames(data[:, 0], first, where[0], path, columns[clock])
+    own = _own(rows[first:], found.get("individual"), individual, path)
     data = data[own]
     stamps, frame = np.unique(data[:, 0], return_inverse=True)
     points, slot = np.unique(data[:, 1], return_inverse=True)
@@ -71,7 +77,7 @@ def read_long(
         row = int(own[np.setdiff1d(np.arange(len(data)), again)[0]])
         cure = "" if "individual" in columns else SEVERAL
         raise InputError(
-            f"{place(path, row + 1, where[1], columns['point'])}: this point is twice in one frame.{cure}{TWICE}"
+            f"{place(path, row + first, where[1], columns['point'])}: this point is twice in one frame.{cure}{TWICE}"
         )
     if len(stamps) * len(points) > MOST_CELLS:
         raise InputError(f"{path}: {len(stamps)} times of {len(points)} points: is `{columns['point']}` their number?")
@@ -89,12 +95,12 @@ def read_long(
 
 def _numbered(rows: Rows, column: int) -> list[str]:
     """Names of points, whose cells become their numbers (0, ...); none where any is a number already."""
-    cells = [row[column].strip() for row in rows[1:] if len(row) > column]
+    cells = [row[column].strip() for row in rows if len(row) > column]
     names = list(dict.fromkeys(cell for cell in cells if not missing(cell)))
     if any(number(name) is not None for name in names):
         return []
     place_of = {name: str(k) for k, name in enumerate(names)}
-    for row in rows[1:]:
+    for row in rows:
         if len(row) > column:
             row[column] = place_of.get(row[column].strip(), "")
     return names
@@ -118,7 +124,7 @@ def read_sleap(
     names = [cell[:-2] for cell in header if cell.endswith(".x")]
     if not names:
         raise InputError(f"{path}: row 1: no column ends in `.x`: not a SLEAP export.")
-    own = _own(rows, header.index("track") if "track" in header else None, individual, path)
+    own = _own(rows[1:], header.index("track") if "track" in header else None, individual, path)
     wanted = ["frame_idx"] + [f"{name}.{part}" for name in names for part in ("x", "y", "score")]
     for name in wanted:
         if name not in header:
@@ -140,8 +146,7 @@ def read_c3d(path: str | Path, up_axis: str = "z") -> Tracks:
     size = _check_c3d(read_bytes(path, RECORDING_BYTES), path)
     found = read_in_child("C3D", path, size)
     points, labels, unit, rate = found["points"].T, found["labels"].tolist(), str(found["unit"]), float(found["rate"])
-    if unit not in ("m", "cm", "mm"):
-        raise InputError(f"{path}: POINT:UNITS must be m, cm or mm, got {unit[:20]!r}.")
+    unit_m = metres(unit, path)
     hidden = (found["residuals"].T < 0) | (points == 0).all(axis=2)
     points[hidden] = np.nan
     if not points.size or not 0 < rate < 1e5:
@@ -150,8 +155,8 @@ def read_c3d(path: str | Path, up_axis: str = "z") -> Tracks:
         raise InputError(f"{path}: POINT:LABELS names {len(labels)} of {points.shape[1]} points.")
     whole_points(points, 0, range(len(labels)), labels, path)
     times = np.arange(len(points)) / rate
-    tracks = _tracks(times, labels[: points.shape[1]], floor_plane(points, up_axis), unit, path)
-    return replace(tracks, space=points * METRES[unit])
+    tracks = _tracks(times, labels[: points.shape[1]], unit_m * floor_plane(points, up_axis), "m", path)
+    return replace(tracks, space=points * unit_m, unlabelled=unlabelled(tracks.names))
 
 
 def _check_c3d(data: bytes, path: Path) -> int:
@@ -161,7 +166,8 @@ def _check_c3d(data: bytes, path: Path) -> int:
     points, analog, first, last, start = (int(np.frombuffer(data[:512], "<u2")[k]) for k in (1, 2, 3, 4, 8))
     if data[(data[0] - 1) * 512 + 3 : (data[0] - 1) * 512 + 4] not in (b"\x54", b"\x00", b""):
         return len(data)  # another processor's byte order
-    needed = 512 * (start - 1) + 2 * (last - first + 1) * (4 * points + analog)
+    each = 4 if np.frombuffer(data[12:16], "<f4")[0] < 0 else 2  # bytes of a number: of floats the scale is negative
+    needed = 512 * (start - 1) + each * (last - first + 1) * (4 * points + analog)
     if last < first or start < 2 or not points or needed > len(data):
         raise InputError(f"{path}: the C3D header promises more than the file holds. Was the copy cut off?")
     return len(data)
@@ -172,18 +178,20 @@ def _tracks(times: Floats, names: list[str], floor: Floats, length_unit: str, pa
     return Tracks(times, tuple(names), scaled, str(path), (False,) * len(names), length_unit != "px")
 
 
-def _refuse_empty(data: Floats, where: list[int], rows: Rows, path: Path) -> None:
+def _refuse_empty(
+    data: Floats, first: int, where: list[int], roles: list[str], columns: dict[str, str], path: Path
+) -> None:
     empty = np.argwhere(~np.isfinite(data))
     if empty.size:
         row, column = (int(i) for i in empty[0])
-        raise InputError(f"{place(path, row + 1, where[column], rows[0][where[column]])}: must not be empty.")
+        raise InputError(f"{place(path, row + first, where[column], columns[roles[column]])}: must not be empty.")
 
 
 def _own(rows: Rows, column: int | None, individual: str | None, path: Path) -> NDArray[np.int64]:
-    """Which rows below the header are of the individual that is wanted, whose name is in a column."""
+    """Which of these rows are of the individual that is wanted, whose name is in a column."""
     if column is None:
         chosen([], individual, path)
-        return np.arange(len(rows) - 1)
-    names = [row[column].strip() if len(row) > column else "" for row in rows[1:]]
+        return np.arange(len(rows))
+    names = [row[column].strip() if len(row) > column else "" for row in rows]
     wanted = chosen(names, individual, path)
     return np.flatnonzero([name == wanted for name in names])

@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 from serpenoid.errors import InputError
 from serpenoid.measure.arrays import read_array
+from serpenoid.measure.hdf5_files import is_hdf5
 from serpenoid.measure.motive import read_motive
+from serpenoid.measure.movement import read_movement
 from serpenoid.measure.points import read_c3d, read_long, read_sleap
 from serpenoid.measure.qualisys import read_qualisys
 from serpenoid.measure.tidy import read_tidy
@@ -43,6 +45,7 @@ MotionFormat = Literal[
     "c3d",
     "deeplabcut",
     "sleap",
+    "movement",
     "tierpsy",
     "trex",
     "wcon",
@@ -68,7 +71,7 @@ def _timed(read: Callable[[Path, Timing], Tracks]) -> Reader:
 
 
 def _sleap(path: Path, keys: MotionKeys) -> Tracks:
-    if path.suffix.lower() in (".h5", ".hdf5"):
+    if is_hdf5(path):
         return _timed(read_sleap_analysis)(path, keys)
     return read_sleap(
         path, keys.frames_per_second, keys.length_unit or "px", keys.minimum_score or 0.0, keys.individual
@@ -122,6 +125,7 @@ READERS: dict[str, Format] = {
     "c3d": _in_space(read_c3d, "z"),
     "deeplabcut": Format(_timed(read_deeplabcut), animals=True, named=True, unit="px"),
     "sleap": Format(_sleap, animals=True, named=True, unit="px"),
+    "movement": Format(_timed(read_movement), animals=True, named=True, unit="px"),
     "tierpsy": Format(_timed(read_tierpsy), animals=True),
     "trex": Format(_timed(read_trex), animals=True),
     "wcon": Format(_timed(read_wcon), animals=True),

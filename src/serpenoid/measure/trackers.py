@@ -6,10 +6,7 @@ All of them give points in the order of the file; image coordinates (pixels, y d
 
 from __future__ import annotations
 
-import io
-import pickle
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,13 +15,13 @@ import numpy as np
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, read_rows
+from serpenoid.measure.hdf5_files import hdf5, is_hdf5, require, texts, whole
 from serpenoid.measure.individuals import chosen
+from serpenoid.measure.pandas_table import read_pandas
 from serpenoid.measure.scores import sure
 from serpenoid.measure.tracks import DOWN, METRES, End, Tracks, no_time
 
 LIKELY = 0.6  # DeepLabCut's own default of what it shows
-BROKEN = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError, MemoryError, OverflowError)
-MOST_NUMBERS = 100_000_000  # of one data set: an hour of a hundred points at 100 frames/s; packed files may say more
 
 
 @dataclass(frozen=True)
@@ -41,8 +38,8 @@ class Timing:
 def read_deeplabcut(path: str | Path, timing: Timing) -> Tracks:
     """Rows `scorer`, (`individuals`), `bodyparts`, `coords`, then frames; or the same table in HDF5."""
     path = Path(path)
-    if path.suffix.lower() in (".h5", ".hdf5"):
-        columns, frames, data = _pandas_table(path)
+    if is_hdf5(path):
+        columns, frames, data = read_pandas(path)
     else:
         columns, frames, data = _deeplabcut_csv(path)
     individual = chosen([c[-3] for c in columns if len(c) == 4], timing.individual, path)
@@ -62,7 +59,7 @@ def read_deeplabcut(path: str | Path, timing: Timing) -> Tracks:
     if all((n, "likelihood") in slot for n in names):
         score = np.stack([data[:, slot[n, "likelihood"]] for n in names], axis=1)
         floor = sure(floor, score, LIKELY if timing.minimum_score is None else timing.minimum_score, path)
-    return _image(path, frames, names, floor, timing)
+    return as_image(path, frames, names, floor, timing)
 
 
 def _deeplabcut_csv(path: Path) -> tuple[list[tuple[str, ...]], Floats, Floats]:
@@ -78,41 +75,15 @@ def _deeplabcut_csv(path: Path) -> tuple[list[tuple[str, ...]], Floats, Floats]:
     return columns, increasing_times(data[:, 0], heads + 1, 0, path, "frame"), data[:, 1:]
 
 
-def _pandas_table(path: Path) -> tuple[list[tuple[str, ...]], Floats, Floats]:
-    """The table pandas wrote (`to_hdf(..., format="table")`): its column names are a pickled list in an attribute."""
-    with hdf5(path) as file:
-        group = next((file[k] for k in file if "table" in getattr(file[k], "keys", dict)()), None)
-        if group is None:
-            raise InputError(f"{path}: holds no table as DeepLabCut writes it. Export it as CSV instead.")
-        table = _whole(group["table"], path)
-        columns = _plain_pickle(group.attrs["non_index_axes"], path)[0][1]
-        values = np.concatenate([table[n] for n in table.dtype.names if n.startswith("values_block")], axis=1)
-        return [tuple(map(str, c)) for c in columns], np.asarray(table["index"], float), np.asarray(values, float)
-
-
-class _Plain(pickle.Unpickler):
-    """Lists, tuples, strings and numbers; nothing that could run."""
-
-    def find_class(self, module: str, name: str) -> Any:
-        raise pickle.UnpicklingError(f"{module}.{name}")
-
-
-def _plain_pickle(data: Any, path: Path) -> Any:
-    try:
-        return _Plain(io.BytesIO(bytes(data))).load()
-    except (pickle.UnpicklingError, EOFError, ValueError, IndexError, TypeError) as error:
-        raise InputError(f"{path}: its column names cannot be read ({error}). Export it as CSV instead.") from None
-
-
 def read_sleap_analysis(path: str | Path, timing: Timing) -> Tracks:
     """`tracks` (instances, 2, nodes, frames), `node_names`, `point_scores`: SLEAP's analysis HDF5."""
     path = Path(path)
     with hdf5(path) as file:
-        _require(file, path, "SLEAP analysis", "tracks", "node_names")
-        names = [n.decode() if isinstance(n, bytes) else str(n) for n in _whole(file["node_names"], path)]
-        tracks = np.asarray(_whole(file["tracks"], path), float)
-        scores = np.asarray(_whole(file["point_scores"], path), float) if "point_scores" in file else None
-        tracked = [n.decode() if isinstance(n, bytes) else str(n) for n in file.get("track_names", ())]
+        require(file, path, "SLEAP analysis", "tracks", "node_names")
+        names = texts(file["node_names"], path)
+        tracks = np.asarray(whole(file["tracks"], path), float)
+        scores = np.asarray(whole(file["point_scores"], path), float) if "point_scores" in file else None
+        tracked = texts(file["track_names"], path) if "track_names" in file else []
     if tracks.ndim != 4 or tracks.shape[1:3] != (2, len(names)):
         raise InputError(f"{path}: `tracks` must be (animals, 2, {len(names)}, frames), got {tracks.shape}.")
     tracked = tracked if len(tracked) == len(tracks) else [str(k) for k in range(len(tracks))]
@@ -120,20 +91,21 @@ def read_sleap_analysis(path: str | Path, timing: Timing) -> Tracks:
     floor = tracks[own].transpose(2, 1, 0).copy()
     if scores is not None and timing.minimum_score is not None:
         floor = sure(floor, scores[own].T, timing.minimum_score, path)
-    return _image(path, np.arange(len(floor), dtype=float), names, floor, timing)
+    return as_image(path, np.arange(len(floor), dtype=float), names, floor, timing)
 
 
 def read_tierpsy(path: str | Path, timing: Timing) -> Tracks:
     """`coordinates/skeletons` (F, points, 2) [um] of a features file, head first; one worm."""
     path = Path(path)
     with hdf5(path) as file:
-        _require(file, path, "Tierpsy features", "coordinates/skeletons")
-        skeletons = np.asarray(_whole(file["coordinates/skeletons"], path), float)
+        require(file, path, "Tierpsy features", "coordinates/skeletons")
+        skeletons = np.asarray(whole(file["coordinates/skeletons"], path), float)
         frames = np.arange(len(skeletons), dtype=float)
         rate = timing.frames_per_second
         if "timeseries_data" in file and file["timeseries_data"].dtype.names:
             table = file["timeseries_data"]
-            rate = rate or _number(table.attrs.get("fps"))
+            said = (file[name].attrs.get("fps") for name in ("timeseries_data", "trajectories_data") if name in file)
+            rate = rate or _number(next((each for each in said if each is not None), None))
             every = len(table) == len(frames)
             if "timestamp" in table.dtype.names and every:
                 frames = np.asarray(table["timestamp"], float)
@@ -151,7 +123,7 @@ def read_tierpsy(path: str | Path, timing: Timing) -> Tracks:
     return as_tracks(path, frames / rate, skeletons * DOWN, timing.length_unit or "um")
 
 
-def _image(path: Path, frames: Floats, names: Sequence[str], floor: Floats, timing: Timing) -> Tracks:
+def as_image(path: Path, frames: Floats, names: Sequence[str], floor: Floats, timing: Timing) -> Tracks:
     """Pixels and frame numbers as tracks."""
     if not timing.frames_per_second:
         raise no_time(path, "carries no time")
@@ -174,40 +146,6 @@ def _tracks(path: Path, times: Floats, names: Sequence[str], floor: Floats, unit
         raise InputError(f"{path}: positions must be finite or empty.")
     floor = np.where(np.isfinite(floor).all(axis=2, keepdims=True), floor, np.nan)
     return Tracks(times, tuple(names), floor * METRES[unit], str(path), (False,) * len(names), unit != "px")
-
-
-@contextmanager
-def hdf5(path: Path) -> Iterator[Any]:
-    """An HDF5 file to read from; InputError where it is none."""
-    try:
-        import h5py
-    except ImportError:
-        raise InputError("reading HDF5 needs h5py: pip install h5py.") from None
-    if not path.is_file():
-        raise InputError(f"{path}: no such file.")
-    try:
-        with h5py.File(path, "r") as file:
-            yield file
-    except InputError:
-        raise
-    except BROKEN as error:
-        raise InputError(f"{path}: not a readable HDF5 file: {error}") from None
-
-
-def _whole(data: Any, path: Path) -> Any:
-    """All of a data set, if it is one that can be read."""
-    if not hasattr(data, "dtype"):
-        raise InputError(f"{path}: `{data.name}` is a group, where a table of numbers belongs.")
-    numbers = data.size * data.dtype.itemsize // 8
-    if numbers > MOST_NUMBERS:
-        raise InputError(f"{path}: `{data.name}` says that it holds {numbers:.3g} numbers. Is it the right file?")
-    return data[()]
-
-
-def _require(file: Any, path: Path, kind: str, *names: str) -> None:
-    missing = next((name for name in names if name not in file), None)
-    if missing is not None:
-        raise InputError(f"{path}: a {kind} file holds `{missing}`; this one has {', '.join(list(file)[:8])}.")
 
 
 def _number(value: Any) -> float | None:

@@ -19,6 +19,10 @@ LengthUnit = Literal["m", "cm", "mm", "um", "px", "bl"]
 LEAST_S = 1e-8  # between frames: the fastest cameras take ten million a second
 DOWN = np.array([1.0, -1.0])  # image rows count downwards
 METRES: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "um": 1e-6, "px": 1.0, "bl": 1.0}
+LENGTHS = {name: unit for unit, names in {
+    "m": ("metre", "meter"), "cm": ("centimetre", "centimeter"), "mm": ("millimetre", "millimeter"),
+    "um": ("\u00b5m", "\u03bcm", "micron", "micrometre", "micrometer"), "px": ("pixel",),
+}.items() for name in (unit, *names, *(f"{long}s" for long in names))}  # fmt: skip
 
 
 class NoTime(InputError):

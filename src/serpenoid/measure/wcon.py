@@ -19,13 +19,9 @@ from serpenoid.files.inputs import RECORDING_BYTES, read_text
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.individuals import chosen
 from serpenoid.measure.trackers import Timing, as_tracks
-from serpenoid.measure.tracks import End, Tracks
+from serpenoid.measure.tracks import LENGTHS, End, Tracks
 
 FIRST: dict[str, End] = {"L": "head", "R": "tail"}  # which end of the body the first point is, by the head's side
-LENGTHS = {name: unit for unit, names in {
-    "m": ("metre", "meter"), "cm": ("centimetre", "centimeter"), "mm": ("millimetre", "millimeter"),
-    "um": ("\u00b5m", "\u03bcm", "micron", "micrometre", "micrometer"), "px": ("pixel",),
-}.items() for name in (unit, *names, *(f"{long}s" for long in names))}  # fmt: skip
 SECONDS = {name: seconds for seconds, names in {
     1.0: ("s", "sec", "second", "seconds"), 1e-3: ("ms", "millisecond", "milliseconds"),
     60.0: ("min", "minute", "minutes"), 3600.0: ("h", "hour", "hours"),

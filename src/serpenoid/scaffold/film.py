@@ -70,6 +70,7 @@ def campaign_of(answers: Answers, folder: Path) -> list[str]:
         raise InputError(f"{error}{_options(str(error))}") from None
     points = [n for n, fragment in zip(tracks.names, tracks.unlabelled, strict=True) if not fragment]
     body = validate(Body, {"kind": answers["kind"], "vertices": len(points)}, str(film))
+    _refuse_end_inside(points)
     if tracks.first_point is None:
         _refuse_other_end(points, answers["first-point"])
         said |= {"first_point": answers["first-point"]}
@@ -110,6 +111,17 @@ def _refuse_other_end(points: list[str], said: str) -> None:
             f"--first-point: not the {said}, as the first point of the film is `{points[0]}` and the last "
             f"`{points[-1]}`. Give --first-point {OTHER[said]}."
         )
+
+
+def _refuse_end_inside(points: list[str]) -> None:
+    """Where a name says that a point is an end of the body, and it stands between others, they are not in order."""
+    said = [{end for end, words in ENDS.items() if any(word in name.casefold() for word in words)} for name in points]
+    for name, ends in zip(points[1:-1], said[1:-1], strict=True):
+        if len(ends) == 1 and not any(end in outer for outer in (said[0], said[-1]) for end in ends):
+            raise InputError(
+                f"--film: has `{name}` between other points, in the order {', '.join(points)}. Put its columns in the "
+                "order of the body, or write a campaign.toml that names them so (docs/your-csv.md)."
+            )
 
 
 def _read(film: Path, answers: Answers) -> tuple[dict[str, Any], Tracks]:

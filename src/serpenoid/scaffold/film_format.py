@@ -4,34 +4,52 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import read_rows
-from serpenoid.measure.tidy import FIRST_CELLS
-from serpenoid.measure.trackers import hdf5
+from serpenoid.measure.hdf5_files import hdf5, inside, is_hdf5
+from serpenoid.measure.matlab import OF_IDTRACKER, TRAJECTORIES
+from serpenoid.measure.own_names import FIRST_CELLS
+from serpenoid.measure.pandas_table import is_pandas
 
-BY_SUFFIX = {".c3d": "c3d", ".mat": "array", ".npy": "array", ".trc": "trc", ".wcon": "wcon"}
+BY_SUFFIX = {".c3d": "c3d", ".mat": "array", ".npy": "array", ".trc": "trc", ".wcon": "wcon", ".json": "wcon"}
 BY_CELL = (("frame_idx", "sleap"), ("poseX0", "trex"), ("point", "long"), ("bodypart", "long"))  # of a header
-BY_GROUP = (("node_names", "sleap"), ("coordinates", "tierpsy"), ("df_with_missing", "deeplabcut"))  # of HDF5
+BY_GROUP = (("node_names", "sleap"), ("coordinates", "tierpsy"), ("keypoints", "movement"))  # of HDF5
+UNREAD = {
+    TRAJECTORIES: OF_IDTRACKER,
+    "pred_points": "It is a project of SLEAP: export its analysis HDF5.",
+    "skeleton": "Of Tierpsy its file of features is read.",
+}  # of HDF5
 POSTURE = re.compile(rb"midline_points|poseX0")
 
 
 def format_of(film: Path) -> str | None:
-    """A name of `READERS`; None where neither name nor content of the film tells."""
+    """A name of `READERS`; None where neither name nor content of the film tells. Raises InputError of an HDF5 file
+    that is broken, or that no reader is for."""
     end = film.suffix.lower()
     if end in BY_SUFFIX:
         return BY_SUFFIX[end]
     if end == ".npz":
         return "trex" if POSTURE.search(film.read_bytes()) else "array"
+    if is_hdf5(film):
+        with hdf5(film) as file:
+            return _of_groups(file, film)
     try:
-        return _of_groups(film) if end in (".h5", ".hdf5") else _of_table(film)
+        return _of_table(film)
     except InputError:
         return None
 
 
-def _of_groups(film: Path) -> str | None:
-    with hdf5(film) as file:
-        return next((kind for name, kind in BY_GROUP if name in file), None)
+def _of_groups(file: Any, film: Path) -> str:
+    kind = next((kind for name, kind in BY_GROUP if name in file), None)
+    if kind is None and any(is_pandas(file[name]) for name in file):
+        kind = "deeplabcut"
+    if kind is None:
+        known = ", ".join([*(kind for _, kind in BY_GROUP), "deeplabcut"])
+        cure = "".join(f" {words}" for name, words in UNREAD.items() if name in file)
+        raise InputError(f"{film}: an HDF5 file that holds {inside(file)}, of none that are read ({known}).{cure}")
+    return kind
 
 
 def _of_table(film: Path) -> str:
