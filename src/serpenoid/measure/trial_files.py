@@ -29,6 +29,7 @@ from serpenoid.measure.repeated import without_repeated
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.tracks import Tracks, in_places
 from serpenoid.parallel import in_processes
+from serpenoid.wording import counted
 
 Progress = Callable[[int, int, str], None]
 T = TypeVar("T")
@@ -157,7 +158,9 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
     if tracks is not None:
         tracks, mended = _mended(tracks, keys.up_axis or up_axis(keys.format))
         if len(tracks.time_s) < FEWEST_FRAMES:
-            raise InputError(f"{tracks.source}: {len(tracks.time_s)} frame(s); a motion takes {FEWEST_FRAMES} or more.")
+            raise InputError(
+                f"{tracks.source}: {counted(len(tracks.time_s), 'frame')}; a motion takes {FEWEST_FRAMES} or more."
+            )
         edges = file.body.edges_m if file.lengths_given and tracks.scale_known else None
         labelled = label_markers(tracks, keys, edges, file.body)
         if said := _without_effect(file, entry, tracks):
