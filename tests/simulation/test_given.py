@@ -33,8 +33,14 @@ def test_angles_of_other_joints_than_the_bodys_are_refused(
     name: str, columns: int, effects: tuple[ActiveEffect, ...]
 ) -> None:
     model = replace(reference(), effects=effects)
-    with pytest.raises(InputError, match=rf"`{name}` must have shape \(.*, 10\), got .*{columns}\)\. Transposed\?"):
+    with pytest.raises(InputError, match=rf"`{name}` must have shape \(.*, 10\), got .*{columns}\)\.$"):
         DOORS[name](model, np.zeros((20, columns)))
+
+
+@pytest.mark.parametrize("name", DOORS)
+def test_whether_axes_are_exchanged_is_asked_where_that_would_mend_it(name: str) -> None:
+    with pytest.raises(InputError, match=r"got \(.*10, 20\)\. Transposed\?$"):
+        DOORS[name](reference(), np.zeros((10, 20)))
 
 
 @pytest.mark.parametrize("name", DOORS)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Sequence
+from itertools import permutations
 
 import numpy as np
 
@@ -29,10 +30,15 @@ def shaped(name: str, values: Floats, shape: Sequence[int], least: int = 1) -> F
         values = np.asarray(values, float)
     except (TypeError, ValueError) as fault:
         raise InputError(f"`{name}` must be an array of numbers of shape {_words(shape, least)}: {fault}.") from None
-    fits = len(values.shape) == len(shape)
-    if not fits or not all(n == m or (m < 0 and n >= least) for n, m in zip(values.shape, shape, strict=True)):
-        raise InputError(f"`{name}` must have shape {_words(shape, least)}, got {values.shape}. Transposed?")
+    if not _fits(values.shape, shape, least):
+        turned = " Transposed?" if any(_fits(axes, shape, least) for axes in permutations(values.shape)) else ""
+        raise InputError(f"`{name}` must have shape {_words(shape, least)}, got {values.shape}.{turned}")
     return values
+
+
+def _fits(sizes: Sequence[int], shape: Sequence[int], least: int) -> bool:
+    """Whether an array of these sizes is of that shape."""
+    return len(sizes) == len(shape) and all(n == m or (m < 0 and n >= least) for n, m in zip(sizes, shape, strict=True))
 
 
 def finite(name: str, values: Floats) -> Floats:
