@@ -620,7 +620,10 @@ def test_a_films_times_are_in_the_unit_that_an_option_tells(worm: Path, told: st
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
-        ([*FILMED, "--problem", "robot.toml"], "--problem: --film says it already"),
+        (
+            [*FILMED, "--problem", "robot.toml"],
+            "--problem: --film is of an animal, whose body the film tells. Of a robot leave that out: `campaign add`",
+        ),
         (["--kind", "swimmer"], "--kind: is for --film alone. Give that, too."),
         (["--film", "none.csv"], "--film: needs a file that is there"),
         ([*FILMED, "--columns", "time"], "--columns: needs names and words as a=x,b=y, got 'time'"),

@@ -65,6 +65,21 @@ def test_a_number_of_cycles_that_is_none_is_refused(cycles: Any) -> None:
         sp.simulate_joint_angles(reference(), serpenoid_table(reference()), cycles=cycles)
 
 
+@pytest.mark.parametrize("unit", ["m8[ms]", "M8[ns]"])
+def test_dates_and_durations_whose_unit_numpy_drops_are_refused(unit: str) -> None:
+    table = serpenoid_table(reference())
+    with pytest.raises(InputError, match=r"`times` must .* Divide them by np.timedelta64\(1, 's'\)"):
+        sp.simulate_realised(reference(), table, np.arange(len(table)).astype(unit))
+
+
+def test_a_start_so_far_away_that_steps_are_rounding_is_refused() -> None:
+    table = serpenoid_table(reference())
+    far = sp.simulate_joint_angles(reference(), table, start=(1e5, 0.0, 0.0))
+    assert far.displacement == pytest.approx(sp.simulate_joint_angles(reference(), table).displacement, rel=1e-9)
+    with pytest.raises(InputError, match=r"`start` must be within \+-100000 body lengths"):
+        sp.simulate_joint_angles(reference(), table, start=(1e300, 0.0, 0.0))
+
+
 @pytest.mark.parametrize("start", [[0.0, 0.0], [0.0, np.nan, 0.0], [[0.0, 0.0]]])
 def test_a_start_that_is_no_pose_is_refused(start: Any) -> None:
     with pytest.raises(InputError, match="`start` must"):
