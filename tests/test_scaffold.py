@@ -758,3 +758,11 @@ def test_two_that_write_into_one_folder_at_once_are_not_mixed(tmp_path: Path, ca
     assert not folder.exists()
     assert main(words) == 0
     assert not (folder / ".serpenoid.lock").exists()
+
+
+def test_a_film_of_too_few_frames_begins_no_campaign(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (film := tmp_path / "short.csv").write_text("t_s,x_0,y_0,x_1,y_1,x_2,y_2\n0,0,0,1,0,2,0\n")
+    words = ["new", "campaign", str(tmp_path / "c"), "--yes", "--film", str(film), "--format", "tidy"]
+    assert main(words) == 2
+    assert "short.csv: 1 frame; a motion takes 8 or more" in capsys.readouterr().err
+    assert not (tmp_path / "c").exists()

@@ -139,6 +139,8 @@ def block(
         if len(rows[row]) != width:
             twice = "Twice as many: are commas in its numbers? Write points there, or semicolons between cells."
             edited = "Is the file truncated, or were rows edited by hand?"
+            if not rows[row]:
+                edited = "Take empty lines out (Python's csv on Windows writes them without open(..., newline='')?)."
             raise InputError(
                 f"{path}: row {row + 1}: has {counted(len(rows[row]), 'cell')} where the header has {width}. "
                 f"{twice if len(rows[row]) == 2 * width else edited}"
