@@ -480,9 +480,15 @@ def test_angles_that_may_be_degrees_are_told_where_a_simulation_is_shown() -> No
         ('task.objectives=[{kind="heading", target_rad=45}]', "target_rad: 45 rad are more than a whole turn"),
         ('task.objectives=[{kind="heading", target_rad=45, cycles=8}]', ""),
         ("task.constraints.heading_change_rad=1.5", ""),
+        ("gait.theta=90", "gait.theta: 90 rad are more than a whole turn. Degrees?"),
+        ("gait.theta=-6.2", ""),
     ],
 )
-def test_a_turn_by_more_than_a_whole_one_in_a_cycle_may_be_in_degrees(asked: str, told: str) -> None:
+def test_a_turn_by_more_than_a_whole_one_may_be_in_degrees(asked: str, told: str) -> None:
     said = " ".join(problem("reference", asked).odd_units)
     assert told in said
     assert bool(told) is bool(said)
+
+
+def test_what_may_be_in_another_unit_is_said_of_a_simulation_too() -> None:
+    assert "gait.theta: 90 rad" in repr(simulate(problem("reference", "gait.theta=90")))

@@ -201,12 +201,12 @@ def test_a_new_campaign_is_measured_with_its_made_up_trial(tmp_path: Path, capsy
     ("words", "complaint"),
     [
         (["problem", "--joints", "0"], "--joints: needs a whole number from 1 to 98, got '0'"),
-        (["problem", "--joints", "6", "--edges", "1,2"], "--edges: 6 joints need 7 edges, got 2"),
+        (["problem", "--joints", "6", "--edges", "1,2"], "--edges: needs 7 numbers for 6 joints, got 2"),
         (["problem", "--edges", "1"], "--edges: a joint stands between two edges, got 1"),
         (["problem", "--mass", "heavy"], "--mass: needs a number, got 'heavy'"),
         (["problem", "--anisotropy", "1.5"], "--anisotropy: needs a number above 0 and at most 1, got '1.5'"),
         (["robot", "--ids", "1,1,2,3,4,5"], "--ids: needs a different ID for every servo"),
-        (["robot", "--ids", "1,2"], "--ids: 6 joints need 6 IDs, got 2"),
+        (["robot", "--ids", "1,2"], "--ids: needs 6 numbers, one a joint, got 2"),
         (["robot", "--baud-rate", "12345"], "--baud-rate: needs one of 9600, 57600"),
         (["robot", "--problem", "/no/such.toml"], "--problem: needs a file that is there"),
         (["campaign", "--format", "kinovea"], "--format: needs one of motive, vicon"),
@@ -620,7 +620,10 @@ def test_a_films_times_are_in_the_unit_that_an_option_tells(worm: Path, told: st
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
-        ([*FILMED, "--problem", "robot.toml"], "--problem: --film says it already"),
+        (
+            [*FILMED, "--problem", "robot.toml"],
+            "--problem: --film is of an animal, whose body the film tells. Of a robot leave that out: `campaign add`",
+        ),
         (["--kind", "swimmer"], "--kind: is for --film alone. Give that, too."),
         (["--film", "none.csv"], "--film: needs a file that is there"),
         ([*FILMED, "--columns", "time"], "--columns: needs names and words as a=x,b=y, got 'time'"),
@@ -755,3 +758,11 @@ def test_two_that_write_into_one_folder_at_once_are_not_mixed(tmp_path: Path, ca
     assert not folder.exists()
     assert main(words) == 0
     assert not (folder / ".serpenoid.lock").exists()
+
+
+def test_a_film_of_too_few_frames_begins_no_campaign(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (film := tmp_path / "short.csv").write_text("t_s,x_0,y_0,x_1,y_1,x_2,y_2\n0,0,0,1,0,2,0\n")
+    words = ["new", "campaign", str(tmp_path / "c"), "--yes", "--film", str(film), "--format", "tidy"]
+    assert main(words) == 2
+    assert "short.csv: 1 frame; a motion takes 8 or more" in capsys.readouterr().err
+    assert not (tmp_path / "c").exists()

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from serpenoid.problem import Problem
 
 WARNING = "warning"  # begins the line
+LONG = 1e6  # degrees: more digits tell nothing
 KEPT = 1e-6  # relative: beyond the optimiser's own tolerance, far below a servo's step
 
 
@@ -84,7 +85,8 @@ def odd_angles(table: Floats, in_space: bool = False) -> tuple[str, ...]:
     joint, reach = largest_angle(table)
     if not reach > 180.0 * (1 + KEPT):
         return ()
-    named = f"{header(table.shape[1], in_space)[joint]} reaches {reach:.1f} degrees, more than half a turn"
+    shown = f"{reach:.1f}" if reach < LONG else f"{reach:.3g}"
+    named = f"{header(table.shape[1], in_space)[joint]} reaches {shown} degrees, more than half a turn"
     return (f"{named}. Angles of gaits are in radians: were they given in degrees?",)
 
 

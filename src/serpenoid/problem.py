@@ -222,7 +222,7 @@ class Problem(Record):
     def _demands_meet(self) -> Self:
         task, rows = self.task, Rows(self.task.steps, self.body.joint_count, not self.task.transient)
         wanted = 0.0 if task.constraints.straight else task.constraints.heading_change_rad
-        others = [] if wanted is None else [("[task.constraints]", Ask("heading after 1 cycle(s)", wanted, wanted))]
+        others = [] if wanted is None else [("[task.constraints]", Ask("heading after 1 cycle", wanted, wanted))]
         if self.joint_limit_deg is not None:
             ranges = np.deg2rad(ranges_deg(self.joint_limit_deg, self.body.joint_count)).tolist()
             asked = [zip(d.asks(rows), ranges, strict=True) for d in task.demands if isinstance(d, Shape)]
@@ -271,10 +271,12 @@ class Problem(Record):
         headings = [t for t in self.task.objectives if isinstance(t, Heading)]
         turns = [("[[task.objectives]] target_rad", t.target_rad / t.cycles) for t in headings]
         turns += [("task.constraints.heading_change_rad", self.task.constraints.heading_change_rad or 0.0)]
-        far = [(name, turn) for name, turn in turns if abs(turn) > 2 * np.pi]
+        said = [(name, turn, " in one cycle") for name, turn in turns]
+        said += [(f"gait.{name}", turn, "") for name, turn in self.gait.rotations.items()]
+        far = [(name, turn, when) for name, turn, when in said if abs(turn) > 2 * np.pi]
         return (
             *self.body.odd_units,
-            *(f"{name}: {turn:g} rad are more than a whole turn in one cycle. Degrees?" for name, turn in far),
+            *(f"{name}: {turn:g} rad are more than a whole turn{when}. Degrees?" for name, turn, when in far),
         )
 
     @property

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.wording import counted
 
 HALF = float(np.finfo(float).eps) / 2
 ORIENTATION = (3 + 16 * HALF) * HALF  # what rounding makes of it: Shewchuk 1997, ccwerrboundA
@@ -51,4 +52,6 @@ def crossing_warning(trajectory: Trajectory) -> list[str]:
     """A line for the user where the gait cannot be played, else nothing."""
     rows = crossing_rows(trajectory)
     remedy = "lower the joint limits or the amplitude, or raise c"
-    return [f"warning           the body crosses itself in {rows} row(s) of the table: {remedy}"] if rows else []
+    return (
+        [f"warning           the body crosses itself in {counted(rows, 'row')} of the table: {remedy}"] if rows else []
+    )

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +17,16 @@ from serpenoid.files.inputs import csv_rows, number, read_text
 from serpenoid.files.writing import write_csv
 from serpenoid.wording import counted
 
+ALL_DIGITS = 17  # characters, of 0.123456789012345: spreadsheets write no more
 SHORT = 6  # characters, of 0.1234: shorter ones are written by hand, with as many digits as they need
+
+
+class ReadTable(NamedTuple):
+    """angles: (T, m) [rad], in space (T, 2 m); ended: whether the last line is; of a file cut off it may not be."""
+
+    angles: Floats
+    in_space: bool
+    ended: bool
 
 
 def header(columns: int, in_space: bool = False) -> list[str]:
@@ -33,17 +43,21 @@ def write_table(path: str | Path, angles: Floats, in_space: bool = False) -> Non
 
 def read_table(path: str | Path, joint_count: int | None = None) -> Floats:
     """Read a joint table, shape (T, m) [rad]; raise InputError naming line and column of the first fault."""
-    angles, in_space = read_any_table(path, joint_count)
-    if in_space:
+    return plane(path, read_any_table(path, joint_count))
+
+
+def plane(path: str | Path, table: ReadTable) -> Floats:
+    """Its angles; InputError about one of a gait in space."""
+    if table.in_space:
         raise InputError(
             f"{path}: has yaw and pitch of a gait in space, and one angle a joint is played here. For a robot of your "
             "own with both, `serpenoid export RESULTS --format csv` without --robot checks and writes them."
         )
-    return angles
+    return table.angles
 
 
-def read_any_table(path: str | Path, joint_count: int | None = None) -> tuple[Floats, bool]:
-    """The same, also of a gait in space, shape (T, 2 m) [rad]; whether it is one."""
+def read_any_table(path: str | Path, joint_count: int | None = None) -> ReadTable:
+    """The same, also of a gait in space."""
     text = read_text(path)
     lines = [(line, row) for line, row in enumerate(csv_rows(text, path), start=1) if row]
     head = [cell.strip() for cell in lines[0][1]] if lines else []
@@ -64,24 +78,23 @@ def read_any_table(path: str | Path, joint_count: int | None = None) -> tuple[Fl
     if len(lines) < 4:
         raise InputError(f"{path}: a gait needs at least 3 rows, got {len(lines) - 1}.")
     angles = np.array([_numbers(path, line, row, head) for line, row in lines[1:]])
-    if not ended(text):
+    ended = text.endswith(("\n", "\r"))
+    if not ended:
         _refuse_cut(path, lines[1:])
-    return angles, in_space
-
-
-def ended(text: str) -> bool:
-    """Whether the last line is: of a file that was cut off within its last number it is not."""
-    return text.endswith(("\n", "\r"))
+    return ReadTable(angles, in_space, ended)
 
 
 def _refuse_cut(path: str | Path, lines: list[tuple[int, list[str]]]) -> None:
-    """InputError where a last number in a line without an end is shorter than all others, and these are not short."""
+    """InputError where the last line has no end, and either the last number is shorter than all others, and these are
+    not short, or all digits are there, as programs write them that end their lines: rows may be missing, too."""
     *others, last = (cell.strip().lstrip("+-") for _, row in lines for cell in row)
     if len(last) < min(map(len, others)) >= SHORT:
-        raise InputError(
-            f"{path}:{lines[-1][0]}: the last number, {last}, is shorter than any other, and its line has no end. Was "
-            "the file cut short? If not, end the line."
-        )
+        said = f"the last number, {last}, is shorter than any other, and its line has no end"
+    elif max(map(len, others)) >= ALL_DIGITS:
+        said = "the last line has no end, and programs that write so many digits end their lines"
+    else:
+        return
+    raise InputError(f"{path}:{lines[-1][0]}: {said}. Was the file cut short? If not, end the line.")
 
 
 def _numbers(path: str | Path, line: int, row: list[str], names: list[str]) -> list[float]:

@@ -100,6 +100,29 @@ def test_a_command_ended_amid_its_answer_may_be_given_again(
     assert simulated(out) == 0
 
 
+def test_a_command_stopped_before_its_first_file_leaves_its_word_and_holds_up_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "below" / "out"
+
+    def ended(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("serpenoid.simulation.problem.simulate", ended)
+        assert simulated(out) == 130
+    assert [path.name for path in out.iterdir()] == ["request.json"]
+    capsys.readouterr()
+    assert main(["show", str(out)]) == 2
+    assert "holds no answer yet: `simulate` was stopped before it ended" in capsys.readouterr().err
+    assert simulated(out, "--set", "gait.a=4") == 0  # another question: nothing of worth is here
+    before = (out / "request.json").read_bytes()
+    with monkeypatch.context() as patch:
+        patch.setattr("serpenoid.simulation.problem.simulate", ended)
+        assert simulated(out, "--set", "gait.a=4") == 130
+    assert (out / "request.json").read_bytes() == before  # the earlier answer is whole
+
+
 def test_an_answer_that_was_cut_short_says_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -55,7 +55,7 @@ def test_examples_are_copied_whole_and_keep_what_was_changed(
     (folder / "purcell.toml").unlink()
     assert main(["examples", str(folder)]) == 0
     assert (folder / "reference.toml").read_text(encoding="utf-8") == "# mine"
-    assert capsys.readouterr().out.splitlines()[-1].startswith("1 file(s) copied")
+    assert capsys.readouterr().out.splitlines()[-1].startswith("1 file copied")
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
@@ -232,7 +232,7 @@ def test_progress_keeps_elapsed_and_remaining_time_on_a_narrow_terminal(
 def test_show_of_what_was_begun_alone_says_how_to_go_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "request.json").write_text('{"verb": "sweep", "request": "0"}', encoding="utf-8")
     assert main(["show", str(tmp_path)]) == 2
-    assert "holds no answer yet. The command that began it was stopped" in capsys.readouterr().err
+    assert "holds no answer yet: `sweep` was stopped before it ended: run it again" in capsys.readouterr().err
 
 
 def test_show_of_a_folder_where_a_command_is_at_work_says_so(

@@ -155,7 +155,7 @@ def test_refining_says_on_which_mesh_it_is_and_counts_its_time(
     assert main(refining(tmp_path / "out", "--log-file", str(tmp_path / "log"))) == 0
     said, log = capsys.readouterr(), (tmp_path / "log").read_text()
     assert "refined           -0.262" in said.out
-    assert "for 1 start(s), " in said.out
+    assert "for 1 start, " in said.out
     assert " s for finer meshes" in said.out
     assert "refining" in said.err
     for steps in (60, 120, 240):

@@ -165,3 +165,19 @@ def test_joints_beyond_half_a_turn_are_asked_for_their_unit(
     assert ("joint_1 reaches 1718.9 degrees, more than half a turn. Angles of gaits are in radians" in out) == warned
     assert ("half a turn" in out) == warned
     assert ("its limit is 60" in out) == (warned and bool(limit))
+
+
+def test_steps_that_are_too_coarse_for_a_gait_are_warned_of_with_what_helps(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = written(tmp_path, BODY + MEDIUM + "[gait]\na = 3.0\n")
+    few, first = ["--no-figures", "--set", "task.steps=4"], str(tmp_path / "first")
+    assert main(["simulate", asked, "--out", first, *few]) == 0
+    coarse = "warning           4 steps are too coarse for this gait: what it does is off by more than 5 %: "
+    assert f"{coarse}--set task.steps=16\n" in capsys.readouterr().out
+    assert main(["simulate", asked, "--no-figures", "--out", str(tmp_path / "third")]) == 0
+    assert "too coarse" not in capsys.readouterr().out
+    table = f'[gait]\nfamily = "table"\npath = "{first}/joint_table.csv"\n'
+    played = written(tmp_path, BODY + MEDIUM + table)
+    assert main(["simulate", played, "--no-figures", "--out", str(tmp_path / "second")]) == 0
+    assert f"{coarse}give a joint table of 16 rows a cycle\n" in capsys.readouterr().out  # no key makes them more

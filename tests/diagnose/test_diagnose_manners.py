@@ -48,7 +48,7 @@ def emptied(folder: Path) -> None:
         (replaced("servo.csv", lambda text: text.splitlines()[0] + "\n"), "has a header and no data rows"),
         (replaced("servo.csv", lambda text: text.replace("play,0,5,", "play,0,5,x", 1)), "must be a number or empty"),
         (replaced("servo.csv", lambda text: text[: len(text) // 4]), "follow neither its servo log"),
-        (replaced("motion.csv", cut_after(3)), "3 frame(s); a motion takes 8 or more"),
+        (replaced("motion.csv", cut_after(3)), "3 frames; a motion takes 8 or more"),
         (replaced("motion.csv", cut_after(20)), "the markers show no motion beyond their noise"),
         (replaced("campaign.toml", lambda text: text.replace("edge_lengths", "#")), "needs `edge_lengths`"),
     ],
@@ -136,7 +136,7 @@ def group(number: int) -> list[str]:
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks at processes in /proc")
-def test_ctrl_c_leaves_neither_files_nor_workers(campaign: Path, tmp_path: Path) -> None:
+def test_ctrl_c_leaves_its_word_and_no_workers(campaign: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     words = [sys.executable, "-m", "serpenoid", "diagnose", str(campaign), "--model", SNAKE, "--out", str(out)]
     # what other tests have finished would leave no work to interrupt
@@ -154,5 +154,5 @@ def test_ctrl_c_leaves_neither_files_nor_workers(campaign: Path, tmp_path: Path)
     assert "Traceback" not in said
     assert "stopped" in said.splitlines()[-1]
     assert answer == ""
-    assert not out.exists()
+    assert [path.name for path in out.iterdir()] == ["request.json"]  # what `show` names
     assert group(process.pid) == []

@@ -197,6 +197,17 @@ def test_every_joint_has_its_noise_level_and_numbers_do_not_touch(joints: int) -
     assert ax.get_legend_handles_labels()[1] == ["before", "after", "noise level"]
 
 
+@pytest.mark.parametrize(("left", "arrows"), [(0.01, []), (1e-5, [2])])
+def test_what_is_left_far_below_the_noise_is_an_arrow_on_the_axis(left: float, arrows: list[int]) -> None:
+    error = SimpleNamespace(name="actuation", unit="m", before=0.02, after=0.01, noise_level=0.009)
+    after = {1: 0.01, 2: left}
+    parts = [SimpleNamespace(name=f"joint {k}", before=0.02, after=a, noise_level=1e-3) for k, a in after.items()]
+    (ax,) = diagnosis_ladder.parts_figure(SimpleNamespace(error=error, parts=parts)).axes  # type: ignore[arg-type]
+    drawn = [line for line in ax.get_lines() if line.get_marker() == "v"]
+    assert [x for line in drawn for x in line.get_xdata()] == arrows
+    assert all(y == ax.get_ylim()[0] for line in drawn for y in line.get_ydata())
+
+
 @pytest.mark.parametrize(("settings", "columns"), [(1, 1), (3, 3), (5, 3), (8, 4), (9, 3)])
 def test_as_few_places_for_paths_as_can_be_stay_empty(settings: int, columns: int) -> None:
     assert diagnosis.columns_of(settings) == columns

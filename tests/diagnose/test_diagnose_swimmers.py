@@ -17,6 +17,7 @@ from serpenoid.diagnose.data.geometry import placed, shapes
 from serpenoid.diagnose.data.shapes_from_points import from_points
 from serpenoid.diagnose.data.tracked import tracked_recordings
 from serpenoid.diagnose.data.windows import Track, predictions
+from serpenoid.diagnose.report.summary import lines
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.load import load_campaign
 from serpenoid.medium import Medium
@@ -51,6 +52,18 @@ def test_in_a_swimmer_by_drag_alone_nothing_is_found(seed: int, tmp_path: Path) 
     assert found["verdict"] == "nothing"
     assert found["effects"] == []
     assert found["anisotropy_ratio"]["after"] == pytest.approx(eps, rel=0.01)  # 0.3 % from smoothed shapes
+
+
+def test_a_swimmer_whose_drag_no_water_has_is_told_so_where_no_file_bounds_it(tmp_path: Path) -> None:
+    (water := tmp_path / "water.toml").write_text("[medium]\nanisotropy_ratio = 0.5\n")
+    campaign = write(Swimmer(Ground(0.2), 33, SHORT_S), tmp_path / "swim") / "campaign.toml"
+    campaign.write_text(campaign.read_text().replace("[body]", '[body]\nkind = "swimmer"'))
+    found = concluded(campaign, water, tmp_path / "out", "--no-figures")
+    assert found["drag_ratio"]["value"] == pytest.approx(5, rel=0.05)
+    assert ["K is above 2" in text for text in found["beyond_water"]] == [True]
+    told = "\n".join(lines(found))
+    assert "caution           K is above 2, the most that slender-body theory allows" in told
+    assert "dry friction" not in told  # which water has not
 
 
 @pytest.mark.slow

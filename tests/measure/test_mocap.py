@@ -111,7 +111,7 @@ def test_the_same_markers_in_every_layout_are_the_same(tmp_path, name):
     ("vicon", lambda text: text[:-30] + "\n", "cells where the header has"),
     ("qualisys", lambda text: text[: text.rindex("\r\n12\t")], "holds 11 frames, and its header promises 12"),
     ("qualisys", lambda text: text.replace("\t3D", "\t6D"), "no trajectories of markers in 3D"),
-    ("qualisys", lambda text: text.replace("\tSnake:head\r", "\r"), "row 11: has 11 cells, where 2 markers have 6"),
+    ("qualisys", lambda text: text.replace("\tSnake:head\r", "\r"), "row 11: has 11 cells, where 2 markers make 6"),
     ("qualisys", lambda text: text.replace("Snake:joint", "Snake:tail"), "two markers are called `Snake:tail`"),
     ("qualisys", lambda text: text.replace("NO_OF_FRAMES", "FRAMES"), "begins with `NO_OF_FRAMES`.* got 'FRAMES'"),
     ("trc", lambda text: text[: text.rindex("\n12\t")], "holds 11 frames, and its header promises 12"),

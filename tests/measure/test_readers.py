@@ -178,7 +178,7 @@ def test_tidy_columns_of_ones_own_are_those_that_are_named_in_their_order(tmp_pa
     np.testing.assert_allclose(read_tidy(path, "m", None, listed).floor[0], [[3, 4], [1, 2]])
     for columns, match in [
         ({"time": "s", "x": "M*_x", "y": "M*_y"}, r"no column `s` \(for `time`\)"),
-        ({"time": "ms", "x": "N*_x", "y": "M*_y"}, r"0 column\(s\) for x and 3 for y"),
+        ({"time": "ms", "x": "N*_x", "y": "M*_y"}, r"`columns` names 0 for x and 3 for y"),
         ({"time": "ms", "x": "M9_x", "y": "M*_y"}, r"`x` must be a list of names"),
         ({"time": "ms", "x": "M*_x"}, "needs `x` and `y`"),
         ({"x": "M*_x", "y": "M*_y"}, "has no column of times: give `frames_per_second`"),

@@ -404,6 +404,20 @@ def test_a_link_into_no_folder_is_refused(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(("target", "taken"), [("/dev/pts/99999", True), ("elsewhere", False), ("/dev/null", False)])
+def test_a_link_that_no_emulator_made_is_not_replaced(tmp_path, target, taken):
+    (tmp_path / "port").symlink_to(target)
+    process = start("robot", "emulate", "--link", tmp_path / "port")
+    if taken:  # what a killed emulator leaves
+        assert process.stdout.readline().strip() == str(tmp_path / "port")
+        assert interrupt(process)[0] == 0
+    else:
+        _, said = process.communicate(timeout=60)
+        assert process.returncode == 2
+        assert f"a link to {target} is already there, which no emulator made" in said
+        assert os.readlink(tmp_path / "port") == target
+
+
 def test_emergency_key_stops_the_robot(tmp_path):
     with emulator(tmp_path) as rig:
         words = play_words(write_gait(tmp_path), rig.port, tmp_path / "log", cycles=50)

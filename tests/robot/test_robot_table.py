@@ -40,6 +40,10 @@ def test_a_last_line_without_an_end_is_refused_beside_a_record_and_else_a_doubt(
     write_table(table, gait())
     assert read_table(table).doubts == ()
     table.write_text(table.read_text().rstrip("\n"))
+    with pytest.raises(InputError, match="the last line has no end, and programs that write so many digits end their"):
+        read_table(table)
+    write_table(table, gait().round(4))
+    table.write_text(table.read_text().rstrip("\n"))
     (doubt,) = read_table(table).doubts
     assert "gait.csv: the last line has no end. Was the file cut short within its last number?" in doubt
     (tmp_path / "gait.json").write_text('{"cycle_duration_s": 5.0, "transient": false}')

@@ -33,8 +33,14 @@ def test_angles_of_other_joints_than_the_bodys_are_refused(
     name: str, columns: int, effects: tuple[ActiveEffect, ...]
 ) -> None:
     model = replace(reference(), effects=effects)
-    with pytest.raises(InputError, match=rf"`{name}` must have shape \(.*, 10\), got .*{columns}\)\. Transposed\?"):
+    with pytest.raises(InputError, match=rf"`{name}` must have shape \(.*, 10\), got .*{columns}\)\.$"):
         DOORS[name](model, np.zeros((20, columns)))
+
+
+@pytest.mark.parametrize("name", DOORS)
+def test_whether_axes_are_exchanged_is_asked_where_that_would_mend_it(name: str) -> None:
+    with pytest.raises(InputError, match=r"got \(.*10, 20\)\. Transposed\?$"):
+        DOORS[name](reference(), np.zeros((10, 20)))
 
 
 @pytest.mark.parametrize("name", DOORS)
@@ -57,6 +63,21 @@ def test_chains_of_other_vertices_or_axes_are_refused(points: int, axes: int) ->
 def test_a_number_of_cycles_that_is_none_is_refused(cycles: Any) -> None:
     with pytest.raises(InputError, match="`cycles` must be a whole number, 1 or more"):
         sp.simulate_joint_angles(reference(), serpenoid_table(reference()), cycles=cycles)
+
+
+@pytest.mark.parametrize("unit", ["m8[ms]", "M8[ns]"])
+def test_dates_and_durations_whose_unit_numpy_drops_are_refused(unit: str) -> None:
+    table = serpenoid_table(reference())
+    with pytest.raises(InputError, match=r"`times` must .* Divide them by np.timedelta64\(1, 's'\)"):
+        sp.simulate_realised(reference(), table, np.arange(len(table)).astype(unit))
+
+
+def test_a_start_so_far_away_that_steps_are_rounding_is_refused() -> None:
+    table = serpenoid_table(reference())
+    far = sp.simulate_joint_angles(reference(), table, start=(1e5, 0.0, 0.0))
+    assert far.displacement == pytest.approx(sp.simulate_joint_angles(reference(), table).displacement, rel=1e-9)
+    with pytest.raises(InputError, match=r"`start` must be within \+-100000 body lengths"):
+        sp.simulate_joint_angles(reference(), table, start=(1e300, 0.0, 0.0))
 
 
 @pytest.mark.parametrize("start", [[0.0, 0.0], [0.0, np.nan, 0.0], [[0.0, 0.0]]])

@@ -12,6 +12,7 @@ import hashlib
 import os
 import shutil
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +39,7 @@ def claim(args: argparse.Namespace, folder: Path, *key: Any) -> Path:
     _hold(args, folder)
     request = {"verb": args.verb, "request": short_hash(*key)}
     held = [name for name in RECORDS if (folder / name).exists()]
-    if held and _asked(_held(folder)) != request:
+    if held and _asked(_held(folder)) != request and not _is_begun_only(folder):
         _refuse_inputs(args, folder, held)
         if not getattr(args, "force", False):
             raise InputError(
@@ -99,6 +100,26 @@ def sign(args: argparse.Namespace) -> None:
     """Write what was asked, before the answer's first file: who is killed or runs out of disk amid it may go on."""
     for folder, request in getattr(args, "requests", []):
         write_json(folder / REQUEST, request | {AT_WORK: True})
+
+
+def leave_word(args: argparse.Namespace) -> None:
+    """Write what was asked where a command was stopped before its answer's first file, for `show`."""
+    for folder, request in getattr(args, "requests", []):
+        if not any((folder / name).exists() for name in RECORDS):
+            with suppress(OSError):
+                write_json(folder / REQUEST, request | {AT_WORK: True})
+
+
+def stopped_verb(folder: Path) -> str:
+    """Which verb it was that left its word here, in the words of a sentence's beginning."""
+    request = _held(folder)
+    verb = request.get("verb") if isinstance(request, dict) else None
+    return f"`{verb}`" if isinstance(verb, str) else "the command"
+
+
+def _is_begun_only(folder: Path) -> bool:
+    """Whether all that is here is the word of a command that was stopped before its answer's first file."""
+    return is_unfinished(folder) and {path.name for path in folder.iterdir()} <= {REQUEST, LOCK}
 
 
 def finish(args: argparse.Namespace) -> None:

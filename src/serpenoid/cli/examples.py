@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from serpenoid.cli import options
+from serpenoid.wording import counted
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -40,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
         shutil.copyfile(source / name, folder / name)
     kept = f", {len(names) - len(new)} were there already" if len(new) < len(names) else ""
     first = f"serpenoid solve {shlex.quote(f'{folder}/snake10.toml')}"
-    sys.stdout.write(f"{len(new)} file(s) copied to {folder}{kept}. Begin: {first}\n")
+    sys.stdout.write(f"{counted(len(new), 'file')} copied to {folder}{kept}. Begin: {first}\n")
     return 0
 
 

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 
 from serpenoid.cli import campaigns, options
 from serpenoid.cli.claim import sign
+from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from serpenoid.compare.calibrate import Calibration
@@ -95,7 +96,7 @@ def lines(calibration: Calibration, model: Model) -> list[str]:
     together = calibration.together
     robusts = robust_intervals(together, model)
     spreads = within(together.names, model, together.values, together.spread_half)
-    found = [f"{model.where_drag_acts}, {len(calibration.trials)} trial(s)"]
+    found = [f"{model.where_drag_acts}, {counted(len(calibration.trials), 'trial')}"]
     for i, name in enumerate(calibration.names):
         value, (low, high), robust = together.values[i], together.interval[i], robusts[i]
         known = bool(together.determined[i])

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.media import LAWS
-from serpenoid.wording import counted
+from serpenoid.wording import counted, percent
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -46,9 +47,13 @@ def goal_lines(record: dict[str, Any]) -> list[str]:
 
 def mesh_lines(mesh: MeshStudy, goals: Sequence[str], remedy: str, what: str = "") -> list[str]:
     """What more steps make of this gait, and what that means for goals; remedy: how to solve or simulate with more."""
+    from serpenoid.optimise.mesh import TOLERANCE
     from serpenoid.optimise.refine import REFINED
 
     lines = [f"mesh              {what}{mesh.words}"]
+    if isfinite(mesh.error) and not mesh.converged:
+        coarse = f"{mesh.steps} steps are too coarse for this gait: what it does is off by more than"
+        lines += [f"warning           {coarse} {percent(TOLERANCE)}: {remedy}"]
     if mesh.within(REFINED) or not any(" met" in goal for goal in goals):
         return lines
     which = "goals that are met are met" if any("missed" in goal for goal in goals) else "goals are met"

@@ -138,19 +138,25 @@ def _run(args: argparse.Namespace, interrupted: list[int]) -> int:
         sys.stdout.flush()
         return code
     except (KeyboardInterrupt, StopRequested) as error:
-        return stopped(str(error) or _kept(args))
+        return _stopped(args, str(error))
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains once more as it ends
         return 130 if interrupted else 1
     except Exception as error:
         if interrupted:  # whatever a library made of it
             log.stopped()
-            return stopped(_kept(args))
+            return _stopped(args)
         code = _refused(error, args)
         if code is None:
             log.failed()
             raise
         return code
+
+
+def _stopped(args: argparse.Namespace, reason: str = "") -> int:
+    if getattr(args, "requests", None):
+        importlib.import_module("serpenoid.cli.claim").leave_word(args)
+    return stopped(reason or _kept(args))
 
 
 def _kept(args: argparse.Namespace) -> str:

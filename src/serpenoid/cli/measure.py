@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 from serpenoid.cli import campaigns, options
 from serpenoid.cli.claim import sign
+from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from serpenoid.measure.trial import Motion, Trial
@@ -59,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
                     repeats(trials, fig.add_subplot())
                     save(fig, folder, f"repeats-{label}")
             advance(len(campaign.trials))
-    lines = [f"{campaign.file.name}: {len(campaign.trials)} trial(s), {campaign.body.vertices} vertices"]
+    lines = [f"{campaign.file.name}: {counted(len(campaign.trials), 'trial')}, {campaign.body.vertices} vertices"]
     if campaign.lengths_estimated:
         lines.append("edge lengths estimated from the recordings (medians)")
     shared = shared_notes(campaign.trials)

@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
         given = getattr(args, question.name.replace("-", "_"))
         said, idle = bool(answers.get(question.unless)), bool(question.only) and not answers.get(question.only)
         if said and given is not None:
-            raise InputError(f"--{question.name}: --{question.unless} says it already. Leave one of them out.")
+            raise InputError(f"--{question.name}: --{question.unless} {question.refused}")
         if idle and given is not None:
             raise InputError(f"--{question.name}: is for --{question.only} alone. Give that, too.")
         if given is None and question.passed_over(answers):

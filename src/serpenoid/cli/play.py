@@ -45,7 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_robot(parser, port="auto")
     parser.add_argument("--cycles", type=int, default=1, metavar="N", help="cycles to play (default 1)")
     parser.add_argument("--pause", type=float, default=0.0, metavar="S", help="rest after each cycle [s] (default 0)")
-    parser.add_argument("--log", type=Path, metavar="DIR", help="record into this folder (not yet used)")
+    parser.add_argument("--log", "--out", type=Path, metavar="DIR", help="record into this folder, a new one")
     parser.add_argument("--power-port", metavar="PORT", help="serial port of an INA260 stream: power.csv in DIR")
     add_widen(parser)
     parser.add_argument("--dry-run", action="store_true", help="print what would be sent; touch no port")

@@ -57,7 +57,7 @@ def configure(actions: Any) -> None:
         action.set_defaults(do=do)
     power = actions.add_parser("power", help="record an INA260 stream: power.csv")
     power.add_argument("--port", required=True, metavar="PORT", help="serial port of the streaming board")
-    power.add_argument("--log", required=True, type=Path, metavar="DIR", help="folder for power.csv")
+    power.add_argument("--log", "--out", required=True, type=Path, metavar="DIR", help="folder for power.csv")
     power.add_argument("--seconds", type=float, default=float("inf"), metavar="S", help="default: until Ctrl-C")
     power.set_defaults(do=_power)
 

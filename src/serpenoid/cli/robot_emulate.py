@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import signal
 import sys
 from pathlib import Path
@@ -36,6 +37,9 @@ from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from serpenoid.arena.bus import Ground
+
+
+PSEUDO_TERMINALS = "/dev/pts/", "/dev/ttys"  # of Linux, of macOS
 
 
 def configure(actions: Any) -> None:
@@ -96,8 +100,19 @@ def _hold(args: argparse.Namespace, link: Path) -> None:
         raise InputError(f"--link {link}: there is no folder {link.parent}. Make it, or name another place.")
     if link.exists() and not link.is_symlink():
         raise InputError(f"--link {link}: a file is already there.")
+    lock = f".{link.name}{LOCK}"
+    if link.is_symlink() and not ((link.parent / lock).exists() or _leads_nowhere(link)):
+        raise InputError(
+            f"--link {link}: a link to {os.readlink(link)} is already there, which no emulator made. Remove it, or "
+            "name another place."
+        )
     said = f"--link {link}: another `robot emulate` serves this port. Name another link, or wait for its end."
-    args.held.enter_context(alone(link.parent, said, lock=f".{link.name}{LOCK}"))
+    args.held.enter_context(alone(link.parent, said, lock=lock))
+
+
+def _leads_nowhere(link: Path) -> bool:
+    """Whether a link led to a terminal that is not there any more, as an emulator's that was killed."""
+    return not link.exists() and os.readlink(link).startswith(PSEUDO_TERMINALS)
 
 
 def _servos(args: argparse.Namespace) -> tuple[int, list[EmulatedServo]]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.cli import options
-from serpenoid.cli.claim import REQUEST, is_unfinished
+from serpenoid.cli.claim import REQUEST, is_unfinished, stopped_verb
 from serpenoid.cli.goals import dissipation_name, goal_lines, in_cycles
 from serpenoid.cli.starts import bound_lines, certificate_line, note_lines, starts_lines
 from serpenoid.cli.sweep import beside_lines
@@ -22,10 +22,7 @@ from serpenoid.files.writing import UNFINISHED
 from serpenoid.media import DEFAULT, LAWS
 from serpenoid.wording import counted
 
-STOPPED = (
-    "The command that began it was stopped before it ended: run it again with the same --out. What it kept is not "
-    "computed again."
-)
+STOPPED = "was stopped before it ended: run it again with the same --out. What it kept is not computed again."
 AT_WORK = "a serpenoid command is at work in this folder"
 CUT_SHORT = (
     "files may be missing, or of an earlier run: the command that writes them has not ended, or was stopped (by hand, "
@@ -49,13 +46,13 @@ def run(args: argparse.Namespace) -> int:
     if folder.is_file():
         raise InputError(f"{folder}: is a file; `show` takes a results folder or a campaign.{_taken_by(folder)}")
     if not folder.is_dir():
-        raise InputError(f"{folder}: no such folder. `serpenoid solve` names the folder it wrote.")
+        raise InputError(f"{folder}: no such folder. Each command names the folder that it wrote.")
     name = next((name for name in RECORDS if (folder / name).exists()), None)
     if name is None and not (folder / "campaign.toml").exists():
         if is_held(folder):
             raise InputError(f"{folder}: holds no answer yet: {AT_WORK}. Ask again when it has ended.")
         if (folder / REQUEST).exists():
-            raise InputError(f"{folder}: holds no answer yet. {STOPPED}")
+            raise InputError(f"{folder}: holds no answer yet: {stopped_verb(folder)} {STOPPED}")
         raise InputError(f"{folder}: holds no results: none of {', '.join(RECORDS)}, campaign.toml.{_others(folder)}")
     try:
         record = read_record(folder, name) if name else {}
@@ -215,7 +212,9 @@ OFF = "serpenoid robot off --robot FILE --port PORT"
 
 
 def _play_lines(folder: Path, record: dict[str, Any]) -> list[str]:
-    played = f"{record['cycles']} cycle(s) of {record['cycle_duration_s']:g} s, pauses of {record['pause_s']:g} s"
+    played = (
+        f"{counted(record['cycles'], 'cycle')} of {record['cycle_duration_s']:g} s, pauses of {record['pause_s']:g} s"
+    )
     off = "torque is off on every servo" if record["torque_off"] else f"TORQUE MAY STILL BE ON: {OFF}"
     return [
         f"played on {record['robot']}: {record['status']} ({record['reason']})",
@@ -251,7 +250,7 @@ def _as_said(folder: Path, _record: dict[str, Any]) -> list[str]:
     from serpenoid.errors import InputError
 
     if not (folder / options.SUMMARY).exists():
-        raise InputError(f"no {options.SUMMARY} beside it. {STOPPED}")
+        raise InputError(f"no {options.SUMMARY} beside it: {stopped_verb(folder)} {STOPPED}")
     return read_text(folder / options.SUMMARY).splitlines()
 
 

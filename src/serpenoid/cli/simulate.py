@@ -21,7 +21,6 @@ from serpenoid.cli.claim import sign
 from serpenoid.wording import percent
 
 if TYPE_CHECKING:
-    from serpenoid.optimise.mesh import MeshStudy
     from serpenoid.problem import Problem
     from serpenoid.trajectory import Trajectory
 
@@ -82,14 +81,18 @@ def run(args: argparse.Namespace) -> int:
         *_softening_lines(problem, motion),
         *goal_lines(record),
         *[f"{'':18}goals are judged from the motion of the first cycle"] * (several and bool(record["goals"])),
-        *([] if mesh is None else mesh_lines(mesh, record["goals"], _more(mesh), "one cycle: " * several)),
+        *(
+            []
+            if mesh is None
+            else mesh_lines(mesh, record["goals"], _more(problem, 4 * mesh.steps), "one cycle: " * several)
+        ),
         *_rows_lines(problem, len(result.table)),
         *clear_lines(
             clear_of_obstacles(problem, result.table, motion),
             fine_clear_of_obstacles(problem, result.table, meshes[-1]),
             clear_of_itself(problem, result.table),
             motion.steps_per_cycle,
-            f"--set task.steps={FINER * motion.steps_per_cycle}",
+            _more(problem, FINER * motion.steps_per_cycle),
         ),
         *floor_lines(motion),
         *limit_lines(problem, result.table),
@@ -101,9 +104,12 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _more(mesh: MeshStudy) -> str:
-    """How to have four times the steps, a sixteenth of the error."""
-    return f"--set task.steps={4 * mesh.steps}"
+def _more(problem: Problem, steps: int) -> str:
+    """How to have so many steps."""
+    from serpenoid.gaits.table import TableGait
+
+    given = isinstance(problem.gait, TableGait)
+    return f"give a joint table of {steps} rows a cycle" if given else f"--set task.steps={steps}"
 
 
 def _raw(problem: Problem, motion: Trajectory) -> str:

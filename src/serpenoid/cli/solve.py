@@ -320,7 +320,7 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: 
         *mesh_lines(best.mesh, record["goals"], "--refine"),
         *_optimum_lines(best, refined),
         *starts_lines(record),
-        f"time in IPOPT     {seconds:.2f} s for {len(result.solutions)} start(s){kept}{finer}",
+        f"time in IPOPT     {seconds:.2f} s for {counted(len(result.solutions), 'start')}{kept}{finer}",
     ]
 
 

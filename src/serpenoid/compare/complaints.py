@@ -41,7 +41,9 @@ def complaints(
             if abs(correlation[i, j]) > CORRELATED:
                 pair = f"`{solution.names[j]}` and `{name}`"
                 found.append(f"{pair} cannot be told apart by these data (correlation {correlation[i, j]:.3f})")
-    return (*found, *_beyond_water(solution, model, interval), *_size(solution, model, trials))
+    highest = [float(i[1]) for n, i in zip(solution.names, interval, strict=True) if n == "anisotropy_ratio"]
+    water = [said for end in highest for said in beyond_water(model, end, "campaign.toml")]
+    return (*found, *water, *_size(solution, model, trials))
 
 
 def determined(names: Sequence[str], sd: Floats, model: Model) -> NDArray[np.bool_]:
@@ -81,16 +83,19 @@ def _at_bound(name: str, value: float, scale: float) -> str:
     return said
 
 
-def _beyond_water(solution: Solution, model: Model, interval: Floats) -> list[str]:
-    """Whether drag has to be more unlike sideways and lengthwise than a fluid makes it, with nobody's word on that."""
+def beyond_water(model: Model, highest: float, file: str) -> list[str]:
+    """Whether drag has to be more unlike sideways and lengthwise than a fluid makes it, with nobody's word on that.
+
+    highest: the upper end of eps. file: where bounds would stand.
+    """
     if model.body.kind != "swimmer" or not model.law.linear or model.medium.anisotropy_ratio_bounds is not None:
         return []
-    if not any(n == "anisotropy_ratio" and i[1] < SLENDER for n, i in zip(solution.names, interval, strict=True)):
+    if not highest < SLENDER:
         return []
     return [
         f"K is above {1 / SLENDER:g}, the most that slender-body theory allows a body in water: drag alone is not what "
         f"moves a swimmer there, however well it follows. `[medium] anisotropy_ratio_bounds = [{SLENDER:g}, 1]` in "
-        "campaign.toml keeps fits and diagnoses to what water does (not for one in sand or mud)"
+        f"{file} keeps fits and diagnoses to what water does (not for one in sand or mud)"
     ]
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from serpenoid.compare.complaints import beyond_water
 from serpenoid.diagnose.data.columns import all_keys
 from serpenoid.diagnose.data.markers_by_trial import put_back
 from serpenoid.diagnose.data.motion import Motion
@@ -60,6 +61,7 @@ MISTAKEN = 0.01  # of a cycle: clocks of instruments differ by less
 OTHER_CYCLES = (
     "cycles do not last as long as `cycle_duration_s` says (the last note has both): mend it, or the film's frame rate"
 )
+BOUNDS_IN = "campaign.toml (or in the file of --model, if that has a [medium])"
 NO_LOG = "no servo log: shapes are what the points show"
 
 
@@ -378,6 +380,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         "parts_differ_by": d.motion.stage.unlike or None,
         "may_differ_by": d.grows or None,
         "hiding": d.motion.stage.hiding or None,
+        "beyond_water": beyond_water(found.settled.model, _ratio_interval(d)[1], BOUNDS_IN),
         "drag_ratio": d.drag_ratio and {
             "value": d.drag_ratio.told, "interval": [d.drag_ratio.low, d.drag_ratio.high],
             "by_frames": d.drag_ratio.by_frames,

@@ -62,6 +62,11 @@ class EllipseGait(Gait):
         """(sigma, x_c, y_c, theta, a, xi), shape (6,)."""
         return np.array([getattr(self, name) for name in self.NAMES])
 
+    @property
+    def rotations(self) -> dict[str, float]:
+        """Of the ellipse."""
+        return {"theta": self.theta}
+
     @classmethod
     def from_parameters(cls, q: Floats) -> EllipseGait:
         """The gait with parameters `q`, theta wrapped to (-pi, pi]."""

@@ -38,6 +38,11 @@ class Gait(GaitNumbers):
 
     __str__ = __repr__
 
+    @property
+    def rotations(self) -> dict[str, float]:
+        """Angles [rad] by their names that turn it over as often as they are large."""
+        return {}
+
     @abstractmethod
     def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> GaitFamily:
         """The family of this gait for a body of `joints` joints and a table of `rows` rows."""

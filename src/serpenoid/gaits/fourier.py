@@ -17,6 +17,7 @@ from pydantic import AfterValidator, Field, model_validator
 from serpenoid.body import Floats
 from serpenoid.gaits.ellipse import EllipseGait
 from serpenoid.gaits.family import Coordinates, Gait, GaitBounds, GaitFamily
+from serpenoid.wording import counted
 
 Range = tuple[float, float]
 
@@ -101,7 +102,9 @@ class FourierGait(Gait):
     @property
     def words(self) -> str:
         """One line for people."""
-        return f"{len(self.xi)} mode(s), orders {list(self.orders)}, xi {', '.join(f'{x:.4f}' for x in self.xi)}"
+        return (
+            f"{counted(len(self.xi), 'mode')}, orders {list(self.orders)}, xi {', '.join(f'{x:.4f}' for x in self.xi)}"
+        )
 
 
 def waves(phases: Floats, orders: tuple[int, ...]) -> Floats:

@@ -12,6 +12,7 @@ from serpenoid.body import Floats
 from serpenoid.gaits.bounds import AngleBounds, GaitBounds
 from serpenoid.gaits.family import AngleFamily, Gait
 from serpenoid.gaits.fourier import Orders, aliased, waves
+from serpenoid.wording import counted
 
 
 class JointSeriesBounds(AngleBounds):
@@ -56,7 +57,7 @@ class JointSeriesGait(Gait):
     def misfit(self, joints: int, steps: int) -> str | None:
         """Rows for other joints, orders that the rows of the table do not show."""
         if self.angles is not None and len(self.angles) != joints:
-            return f"`angles` needs {joints} rows, one per joint, got {len(self.angles)}"
+            return f"`angles` needs {counted(joints, 'row')}, one per joint, got {len(self.angles)}"
         return aliased(self.orders, steps)
 
     def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> JointSeriesFamily:

@@ -15,6 +15,7 @@ from pydantic import Field, model_validator
 from serpenoid.body import Floats
 from serpenoid.gaits.bounds import AngleBounds, GaitBounds
 from serpenoid.gaits.family import AngleFamily, Gait
+from serpenoid.wording import counted
 
 
 class SplineBounds(AngleBounds):
@@ -41,7 +42,11 @@ class SplineGait(Gait):
     def misfit(self, joints: int, steps: int) -> str | None:
         """Control points of other joints."""
         widths = sorted({len(row) for row in self.angles or ()} - {joints})
-        return f"`angles` needs {joints} numbers in every row, one per joint, got {widths[0]}" if widths else None
+        return (
+            f"`angles` needs {counted(joints, 'number')} in every row, one per joint, got {widths[0]}"
+            if widths
+            else None
+        )
 
     def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> SplineFamily:
         """Splines with as many control points."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from serpenoid.errors import InputError
 from serpenoid.files import inputs
 from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
+from serpenoid.wording import counted
 
 Floats = NDArray[np.float64]
 Rows = list[list[str]]
@@ -138,8 +139,10 @@ def block(
         if len(rows[row]) != width:
             twice = "Twice as many: are commas in its numbers? Write points there, or semicolons between cells."
             edited = "Is the file truncated, or were rows edited by hand?"
+            if not rows[row]:
+                edited = "Take empty lines out (Python's csv on Windows writes them without open(..., newline='')?)."
             raise InputError(
-                f"{path}: row {row + 1}: has {len(rows[row])} cells where the header has {width}. "
+                f"{path}: row {row + 1}: has {counted(len(rows[row]), 'cell')} where the header has {width}. "
                 f"{twice if len(rows[row]) == 2 * width else edited}"
             )
     if first >= len(rows):

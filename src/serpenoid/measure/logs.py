@@ -21,6 +21,7 @@ from serpenoid.measure.columns import (
     refuse_other_unit,
     shown,
 )
+from serpenoid.wording import counted
 
 LARGEST_W = 10_000.0  # of any robot that is meant here
 SPIKE, SPIKE_SHARE = 50.0, 0.02  # times the median and of the energy: all servos stalled draw 48 times the idle power
@@ -96,7 +97,7 @@ def read_servo_log(path: str | Path, keys: ServoKeys = READ_AS_WRITTEN) -> Servo
     groups = {"position": position, "command": numbered(header, own.command, "command", path)}
     if groups["command"] and len(groups["command"]) != len(position):
         raise InputError(
-            f"{path}: row 1: {len(position)} columns `{position[0]}`, ... and {len(groups['command'])} "
+            f"{path}: row 1: {counted(len(position), 'column')} `{position[0]}`, ... and {len(groups['command'])} "
             f"`{groups['command'][0]}`, ...: one `command` is needed for every joint."
         )
     refuse_other_unit([own.time], keys.time_unit, SECONDS, "time_unit", path)

@@ -13,6 +13,7 @@ from serpenoid.errors import InputError
 from serpenoid.measure.cells import Rows, place, read_rows
 from serpenoid.measure.mocap import Triples, in_space
 from serpenoid.measure.tracks import Tracks
+from serpenoid.wording import counted
 
 UNITS = {"Meters": 1.0, "Centimeters": 0.01, "Millimeters": 0.001}
 KNOWN_VERSIONS = ("1.21", "1.22", "1.23", "1.24", "1.25")
@@ -79,7 +80,9 @@ def _marker_columns(rows: Rows, header: _Header, path: Path) -> Triples:
     width = len(rows[header.axes])
     for row in (header.types, header.names, header.quantities):
         if len(rows[row]) != width:
-            raise InputError(f"{path}: row {row + 1}: has {len(rows[row])} cells where the axis row has {width}.")
+            raise InputError(
+                f"{path}: row {row + 1}: has {counted(len(rows[row]), 'cell')} where the axis row has {width}."
+            )
     found: dict[str, dict[str, int]] = {}
     for column in range(2, width):
         kind, quantity = rows[header.types][column].strip(), rows[header.quantities][column].strip()
@@ -106,6 +109,6 @@ def _check_frame_count(header: _Header, frames: int, path: Path) -> None:
     declared = header.facts.get("Total Exported Frames", "")
     if declared.isdigit() and int(declared) != frames:
         raise InputError(
-            f"{path}: row {header.axes + 1 + frames}: the file ends after {frames} frames and its first line promises "
-            f"{declared}. The export or the copy was cut off: export it again."
+            f"{path}: row {header.axes + 1 + frames}: the file ends after {counted(frames, 'frame')} and its first "
+            f"line promises {declared}. The export or the copy was cut off: export it again."
         )

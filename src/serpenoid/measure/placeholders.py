@@ -21,6 +21,7 @@ from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.quality import stretches
 from serpenoid.measure.tracks import Tracks
+from serpenoid.wording import counted
 
 FAR = 3.0
 LONG = 8  # frames: as long as what is told of a marker that stands
@@ -127,7 +128,7 @@ def _said(there: NDArray[np.bool_], tracks: Tracks, place: Floats) -> str:
     at = f"({place[0]:.6g}, {place[1]:.6g})" + (f" {unit}" if place.any() else "")
     counts = there.sum(axis=0)
     which = np.flatnonzero(counts)
-    shown = ", ".join(f"`{names[k]}` in {counts[k]} frames" for k in which[:NAMED])
+    shown = ", ".join(f"`{names[k]}` in {counted(counts[k], 'frame')}" for k in which[:NAMED])
     more = f" and {len(which) - NAMED} more" if len(which) > NAMED else ""
     return (
         f"{there.mean():.1%} of its points are at exactly {at}, where no marker leaps to and back: {shown}{more}. "

@@ -30,6 +30,7 @@ from serpenoid.measure.mocap import metres, unlabelled
 from serpenoid.measure.point_order import along_body
 from serpenoid.measure.scores import sure
 from serpenoid.measure.tracks import DOWN, METRES, Tracks, floor_plane, no_time, upright
+from serpenoid.wording import counted
 
 MOST_CELLS = 200_000_000
 OTHER_NAMES = " Name them in `columns`."
@@ -80,7 +81,10 @@ def read_long(
             f"{place(path, row + first, where[1], columns['point'])}: this point is twice in one frame.{cure}{TWICE}"
         )
     if len(stamps) * len(points) > MOST_CELLS:
-        raise InputError(f"{path}: {len(stamps)} times of {len(points)} points: is `{columns['point']}` their number?")
+        raise InputError(
+            f"{path}: {counted(len(stamps), 'time')} of {counted(len(points), 'point')}: is `{columns['point']}` their "
+            "number?"
+        )
     floor = np.full((len(stamps), len(points), 2), np.nan)
     floor[frame, slot] = upright(data[:, 2:], length_unit)
     times = stamps * SECONDS[time_unit] if clock == "time" else stamps / float(frames_per_second or 1)
@@ -152,7 +156,7 @@ def read_c3d(path: str | Path, up_axis: str = "z") -> Tracks:
     if not points.size or not 0 < rate < 1e5:
         raise InputError(f"{path}: no frames, or POINT:RATE is not a number of frames per second, got {rate:g}.")
     if len(labels) < points.shape[1]:
-        raise InputError(f"{path}: POINT:LABELS names {len(labels)} of {points.shape[1]} points.")
+        raise InputError(f"{path}: POINT:LABELS names {len(labels)} of {counted(points.shape[1], 'point')}.")
     whole_points(points, 0, range(len(labels)), labels, path)
     times = np.arange(len(points)) / rate
     tracks = _tracks(times, labels[: points.shape[1]], unit_m * floor_plane(points, up_axis), "m", path)

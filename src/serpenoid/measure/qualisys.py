@@ -13,6 +13,7 @@ from serpenoid.files.inputs import number
 from serpenoid.measure.cells import missing, read_rows
 from serpenoid.measure.mocap import fact, in_space, in_succession, refuse_fewer
 from serpenoid.measure.tracks import METRES, Tracks
+from serpenoid.wording import counted
 
 FIRST = ("NO_OF_FRAMES", "FILE_VERSION")  # the latter from its version 2 on
 
@@ -35,8 +36,8 @@ def read_qualisys(path: str | Path, up_axis: str = "z") -> Tracks:
     wide = max((len(row) for row in rows[first:]), default=0)
     if wide - 3 * len(names) not in (0, 2):
         raise InputError(
-            f"{path}: row {first + 1}: has {wide} cells, where {len(names)} markers have {3 * len(names)}, or two more "
-            "with frame and time."
+            f"{path}: row {first + 1}: has {counted(wide, 'cell')}, where {counted(len(names), 'marker')} make "
+            f"{3 * len(names)}, or two more with frame and time."
         )
     begin = wide - 3 * len(names)
     rate = fact(facts, "FREQUENCY", path) if not begin else 1.0

@@ -16,6 +16,7 @@ import numpy as np
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, listed
 from serpenoid.measure.tracks import Tracks
+from serpenoid.wording import counted
 
 GATE = 0.35  # of the median edge: farther from where its path leads, a point is not this vertex
 EDGE_TOLERANCE = 0.15  # of an edge: marker noise and loose tape stay well inside, the next vertex well outside
@@ -117,8 +118,9 @@ def _by_order(tracks: Tracks, count: int, from_head: bool) -> Labelled:
     if len(tracks.names) != count:
         names = ", ".join(f"`{name}`" for name in tracks.names[:3])
         raise InputError(
-            f"{tracks.source}: {len(tracks.names)} markers for {count} vertices: in [motion], name those of the "
-            f"vertices, tail first, as `markers` (the file's are {names}, ...), or say as `vertices` which have one."
+            f"{tracks.source}: {counted(len(tracks.names), 'marker')} for {count} vertices: in [motion], name those "
+            f"of the vertices, tail first, as `markers` (the file's are {names}, ...), or say as `vertices` which have "
+            "one."
         )
     if not tracks.in_order:
         raise InputError(

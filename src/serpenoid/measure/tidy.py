@@ -117,7 +117,7 @@ def _own_places(header: list[str], columns: MotionColumns, path: Path) -> tuple[
         stems, pairs = by_words(header, str(columns.x), str(columns.y), path)
     if not pairs[0] or len(pairs[0]) != len(pairs[1]):
         raise InputError(
-            f"{path}: row 1: `columns` names {len(pairs[0])} column(s) for x and {len(pairs[1])} for y; "
+            f"{path}: row 1: `columns` names {len(pairs[0])} for x and {len(pairs[1])} for y; "
             f"the file has {shown(header)}."
         )
     inside = [find_column(header, name, "x or y", path) for both in zip(*pairs, strict=True) for name in both]

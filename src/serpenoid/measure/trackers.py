@@ -20,6 +20,7 @@ from serpenoid.measure.individuals import chosen
 from serpenoid.measure.pandas_table import read_pandas
 from serpenoid.measure.scores import sure
 from serpenoid.measure.tracks import DOWN, METRES, End, Tracks, no_time
+from serpenoid.wording import counted
 
 LIKELY = 0.6  # DeepLabCut's own default of what it shows
 
@@ -115,7 +116,9 @@ def read_tierpsy(path: str | Path, timing: Timing) -> Tracks:
                 if every:
                     skeletons, frames = skeletons[own], frames[own]
                 elif not own.all():
-                    raise InputError(f"{path}: {len(table)} rows of `timeseries_data` for {len(frames)} skeletons.")
+                    raise InputError(
+                        f"{path}: {counted(len(table), 'row')} of `timeseries_data` for {len(frames)} skeletons."
+                    )
     if skeletons.ndim != 3 or skeletons.shape[2] != 2:
         raise InputError(f"{path}: `coordinates/skeletons` must be (frames, points, 2), got {skeletons.shape}.")
     if not rate:
@@ -139,7 +142,9 @@ def as_tracks(path: Path, times: Floats, floor: Floats, unit: str, first: End | 
 
 def _tracks(path: Path, times: Floats, names: Sequence[str], floor: Floats, unit: str) -> Tracks:
     if times.shape != (len(floor),):
-        raise InputError(f"{path}: has {times.size} times for {len(floor)} frames of {floor.shape[1]} points.")
+        raise InputError(
+            f"{path}: has {counted(times.size, 'time')} for {counted(len(floor), 'frame')} of {floor.shape[1]} points."
+        )
     if not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise InputError(f"{path}: times must increase, one for every frame.")
     if np.isinf(floor).any():

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import LARGEST, clock
+from serpenoid.wording import counted
 
 Floats = NDArray[np.float64]
 End = Literal["tail", "head"]
@@ -61,7 +62,9 @@ class Tracks:
     def __post_init__(self) -> None:
         frames, markers = len(self.time_s), len(self.names)
         if self.floor.shape != (frames, markers, 2):
-            raise InputError(f"{self.source}: {self.floor.shape} positions for {frames} frames and {markers} markers.")
+            raise InputError(
+                f"{self.source}: {self.floor.shape} positions for {counted(frames, 'frame')} and {markers} markers."
+            )
         if not np.isfinite(self.floor).any():
             raise InputError(
                 f"{self.source}: no marker is seen in any frame: all cells are empty, or zeros that say the same."

@@ -29,6 +29,7 @@ from serpenoid.measure.repeated import without_repeated
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.tracks import Tracks, in_places
 from serpenoid.parallel import in_processes
+from serpenoid.wording import counted
 
 Progress = Callable[[int, int, str], None]
 T = TypeVar("T")
@@ -149,6 +150,13 @@ def kept_of_files(name: str, file: CampaignFile, folder: Path, make: Callable[[]
     return remember(lambda: unchanged(file, folder, now, make()), name, file, now, *more)
 
 
+def check_frames(tracks: Tracks) -> None:
+    """InputError where so few of them are no motion."""
+    frames = len(tracks.time_s)
+    if frames < FEWEST_FRAMES:
+        raise InputError(f"{tracks.source}: {counted(frames, 'frame')}; a motion takes {FEWEST_FRAMES} or more.")
+
+
 def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
     """Read one trial's files."""
     keys, tracks = file.motion_of(entry), read_motion(file, entry, folder)
@@ -156,8 +164,7 @@ def read_trial(file: CampaignFile, entry: TrialEntry, folder: Path) -> Files:
     mended: tuple[str, ...] = ()
     if tracks is not None:
         tracks, mended = _mended(tracks, keys.up_axis or up_axis(keys.format))
-        if len(tracks.time_s) < FEWEST_FRAMES:
-            raise InputError(f"{tracks.source}: {len(tracks.time_s)} frame(s); a motion takes {FEWEST_FRAMES} or more.")
+        check_frames(tracks)
         edges = file.body.edges_m if file.lengths_given and tracks.scale_known else None
         labelled = label_markers(tracks, keys, edges, file.body)
         if said := _without_effect(file, entry, tracks):

@@ -18,6 +18,7 @@ from serpenoid.objectives.obstacles import Obstacle
 from serpenoid.objectives.reach import Reach
 from serpenoid.objectives.self_clearance import SelfClearance
 from serpenoid.objectives.term import Ask, Demand, Rows
+from serpenoid.wording import counted
 
 SLACK = 1e-9  # rounding of what the file says
 
@@ -43,8 +44,8 @@ def contradiction(
             )
         if isinstance(demand, SelfClearance) and demand.distance > (most := demand.most(edges)) + SLACK:
             return (
-                f"{name} distance must be at most {most:.3g}, as far as the {demand.between} edge(s) between two "
-                f"others reach, got {demand.distance:g}. Ask for less, or for edges with more `between`"
+                f"{name} distance must be at most {most:.3g}, as far as the {counted(demand.between, 'edge')} between "
+                f"two others reach, got {demand.distance:g}. Ask for less, or for edges with more `between`"
             )
         if isinstance(demand, Obstacle):
             for place, where, radius in [("where the body begins", (0.0, 0.0), 0.0), *_targets(named)]:

@@ -23,6 +23,7 @@ from serpenoid.objectives.term import (
     beside,
     told,
 )
+from serpenoid.wording import counted
 
 POINT = 1e-6  # body lengths: a disc in which optima cost the same, and whose rim is too curved to converge on
 
@@ -65,7 +66,7 @@ class Reach(Demand):
     def asks(self, rows: Rows) -> list[Ask]:
         """x and y within the radius; at the end of one cycle the displacement."""
         end = self.at == 1
-        when = f"after {self.cycles} cycle(s)" if end else f"at step {self._row(rows.steps)}"
+        when = f"after {counted(self.cycles, 'cycle')}" if end else f"at step {self._row(rows.steps)}"
         found = [
             Ask(f"{axis} {when}", v - self.radius, v + self.radius) for axis, v in zip("xy", self.target, strict=True)
         ]

@@ -19,6 +19,7 @@ from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.shown import Shown
 from serpenoid.status import Status
+from serpenoid.wording import counted
 
 SAME_COST = 1e-6  # optima whose objectives differ by less are one: mirror images and half turns of theta are equal
 MISSED = 1e-6  # of a constraint: far above the optimiser's tolerance
@@ -44,7 +45,8 @@ class MultiStart(Shown):
 
     def summary(self) -> str:
         """How many starts, how many optima, and the best."""
-        return f"{len(self.solutions)} start(s), {len(self.optima)} optimum(s); best {self.best.summary()}"
+        optima = "1 optimum" if len(self.optima) == 1 else f"{len(self.optima)} optima"
+        return f"{counted(len(self.solutions), 'start')}, {optima}; best {self.best.summary()}"
 
     @property
     def best(self) -> Solution:

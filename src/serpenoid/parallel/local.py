@@ -19,6 +19,7 @@ from typing import Any, TypeVar
 
 from serpenoid.interrupts import deferred
 from serpenoid.parallel.retry import Lost, ruled_out
+from serpenoid.wording import counted
 
 T = TypeVar("T")
 log = logging.getLogger(__name__)
@@ -35,7 +36,7 @@ def in_pool(function: Callable[..., T], tasks: Sequence[tuple[Any, ...]], jobs: 
                 yield index, result
         except Lost as error:
             losses = ruled_out(losses, str(error))
-            log.warning("a worker was killed (%s); %d task(s) run again", error, len(waiting))
+            log.warning("a worker was killed (%s); run again: %s", error, counted(len(waiting), "task"))
 
 
 def _once(function: Callable[..., T], tasks: dict[int, tuple[Any, ...]], jobs: int) -> Iterator[tuple[int, T]]:

@@ -71,11 +71,14 @@ def parts(step: Step, ax: Axes) -> Axes:
     for p, k in zip(step.parts, numbers, strict=True):
         ax.plot([k, k], [scale * p.before, scale * p.after], color=GREY, lw=0.8, zorder=1)
     ax.plot(numbers, [scale * p.before for p in step.parts], "o", color=ORANGE, ms=6, label="before")
-    ax.plot(numbers, [scale * p.after for p in step.parts], "o", color=BLUE, ms=4, label="after")
+    after, least = np.array([scale * p.after for p in step.parts]), 0.4 * min(noise_level)
+    ax.plot(numbers, after, "o", color=BLUE, ms=4, label="after")
+    if (below := after < least).any():  # an arrow on the axis
+        ax.plot(np.array(numbers)[below], np.full(below.sum(), least), "v", color=BLUE, ms=7, clip_on=False, zorder=5)
     at = np.array(numbers)
     ax.hlines(noise_level, at - 0.45, at + 0.45, color=INK, lw=1.0, linestyles="--", label="noise level")
     ax.set_yscale("log")
-    ax.set_ylim(0.4 * min(noise_level), 2 * max([scale * p.before for p in step.parts] + [4 * f for f in noise_level]))
+    ax.set_ylim(least, 2 * max([scale * p.before for p in step.parts] + [4 * f for f in noise_level]))
     ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     ax.yaxis.set_major_formatter("{x:g}")
     ax.yaxis.set_minor_formatter("")

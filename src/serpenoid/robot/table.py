@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from serpenoid import table_file
 from serpenoid.errors import InputError
-from serpenoid.files.inputs import read_text
 from serpenoid.robot.stated import Stated, read_stated, record_of
 
 
@@ -59,13 +58,15 @@ def read_table(path: str | Path, any_table: bool = False) -> JointTable:
     if not file.exists():
         remedy = "Name a results folder (with joint_table.csv in it) or a joint-table CSV."
         raise InputError(f"{file}: no such file. {remedy}")
-    angles, in_space = table_file.read_any_table(file) if any_table else (table_file.read_table(file), False)
+    table = table_file.read_any_table(file)
+    if not any_table:
+        table_file.plane(file, table)
     doubts: tuple[str, ...] = ()
-    if not table_file.ended(read_text(file)):
+    if not table.ended:
         doubts = (f"{file}: the last line has no end. Was the file cut short within its last number?",)
         if record_of(file) is not None:  # written here, where every line has one
             raise InputError(f"{doubts[0]} Write the results again; if a program of your own wrote it, end the line.")
-    return JointTable(angles, file, read_stated(file), in_space, doubts)
+    return JointTable(table.angles, file, read_stated(file), table.in_space, doubts)
 
 
 def write_table(path: str | Path, angles: NDArray[np.float64], in_space: bool = False) -> None:

@@ -48,6 +48,7 @@ QUESTIONS = (
         "",
         existing,
         unless="film",
+        refused="is of an animal, whose body the film tells. Of a robot leave that out: `campaign add` takes films.",
     ),
     Question(
         "format",

@@ -14,6 +14,7 @@ from serpenoid.measure.campaign import MotionKeys
 from serpenoid.measure.columns import TimeUnit
 from serpenoid.measure.readers import READERS
 from serpenoid.measure.tracks import NoTime, Tracks
+from serpenoid.measure.trial_files import check_frames
 from serpenoid.scaffold.questions import Answers, Question, existing, named, one_of, or_empty
 
 FILM = Question("film", "Track file of an animal, the first trial (empty: a robot)", "", existing)
@@ -66,6 +67,7 @@ def campaign_of(answers: Answers, folder: Path) -> list[str]:
         ) from None
     try:
         said, tracks = _read(film, answers)
+        check_frames(tracks)
     except InputError as error:
         raise InputError(f"{error}{_options(str(error))}") from None
     points = [n for n, fragment in zip(tracks.names, tracks.unlabelled, strict=True) if not fragment]

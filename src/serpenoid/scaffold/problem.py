@@ -31,6 +31,7 @@ from serpenoid.scaffold.questions import (
     or_empty,
     whole,
 )
+from serpenoid.wording import counted
 
 KINDS = get_args(Kind)
 JOINTS = 6  # where nothing is said
@@ -110,7 +111,7 @@ def edges_of(answers: Answers) -> list[float]:
     if given and len(given) < 2:
         raise InputError(f"--edges: a joint stands between two edges, got {len(given)}.")
     if given and len(given) != joints + 1:
-        raise InputError(f"--edges: {joints} joints need {joints + 1} edges, got {len(given)}.")
+        raise InputError(f"--edges: needs {joints + 1} numbers for {counted(joints, 'joint')}, got {len(given)}.")
     spacing = (answers["length"] or float(LENGTH)) / joints
     return list(given) or [spacing / 2, *[spacing] * (joints - 1), spacing / 2]
 
@@ -193,7 +194,7 @@ def _smooth(answers: Answers) -> bool:
 
 
 def _what(edges: list[float]) -> str:
-    return f"a chain of {len(edges) - 1} joints" if edges else "a smooth body"
+    return f"a chain of {counted(len(edges) - 1, 'joint')}" if edges else "a smooth body"
 
 
 def _duration(answers: Answers) -> str:

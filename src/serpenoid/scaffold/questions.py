@@ -20,6 +20,7 @@ class Question:
     """`name` is the option, `text` what is asked; `read` turns an answer into a value, or raises ValueError.
 
     unless, only: another question; where that has an answer (only: has none), this one is not looked at.
+    refused: why, and what to do, where both are given.
     of_robots: not asked of an animal, whose answer is None unless it is given; animals: other defaults, by their kind.
     key: of the file; where it is not written, nothing was assumed. guess: the default by what is answered already.
     """
@@ -30,6 +31,7 @@ class Question:
     read: Callable[[str], Any]
     unless: str = ""
     only: str = ""
+    refused: str = "says it already. Leave one of them out."
     of_robots: bool = False
     animals: Mapping[str, str] = field(default_factory=dict)
     key: str = ""

@@ -24,6 +24,7 @@ from serpenoid.scaffold.questions import (
     one_of,
     whole,
 )
+from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
@@ -73,7 +74,7 @@ def write(path: Path, answers: Answers) -> str:
     joints = int(answers["joints"]) if problem is None else problem.body.joint_count
     ids = answers["ids"] or tuple(range(1, joints + 1))
     if len(ids) != joints:
-        raise InputError(f"--ids: {joints} joints need {joints} IDs, got {len(ids)}.")
+        raise InputError(f"--ids: needs {counted(joints, 'number')}, one a joint, got {len(ids)}.")
     low, high = as_pair(answers["joint-limit"])
     if not low <= 0 <= high:
         raise InputError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Sequence
+from itertools import permutations
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from serpenoid.errors import InputError, of_kind
 from serpenoid.model import Model
 
 ODD_LENGTH = 0.1  # of a body length, on the average of all rows: an animal's points bring a few percent
+FARTHEST = 1e5  # body lengths, rad: poses have 1e-11 there, far below the 1e-8 to which they are confirmed
 
 
 def model_of(model: Model) -> Model:
@@ -26,13 +28,20 @@ def shaped(name: str, values: Floats, shape: Sequence[int], least: int = 1) -> F
             raise TypeError("got complex ones. Take the real part where that is what is meant")
         if np.ma.is_masked(values):  # NumPy would take what stands behind the mask
             raise TypeError("some are masked. Fill them with what is meant, or with NaN: values.filled(np.nan)")
+        if np.asarray(values).dtype.kind in "mM":  # NumPy would count the units, whichever they are
+            raise TypeError("got dates or durations of NumPy or pandas. Divide them by np.timedelta64(1, 's')")
         values = np.asarray(values, float)
     except (TypeError, ValueError) as fault:
         raise InputError(f"`{name}` must be an array of numbers of shape {_words(shape, least)}: {fault}.") from None
-    fits = len(values.shape) == len(shape)
-    if not fits or not all(n == m or (m < 0 and n >= least) for n, m in zip(values.shape, shape, strict=True)):
-        raise InputError(f"`{name}` must have shape {_words(shape, least)}, got {values.shape}. Transposed?")
+    if not _fits(values.shape, shape, least):
+        turned = " Transposed?" if any(_fits(axes, shape, least) for axes in permutations(values.shape)) else ""
+        raise InputError(f"`{name}` must have shape {_words(shape, least)}, got {values.shape}.{turned}")
     return values
+
+
+def _fits(sizes: Sequence[int], shape: Sequence[int], least: int) -> bool:
+    """Whether an array of these sizes is of that shape."""
+    return len(sizes) == len(shape) and all(n == m or (m < 0 and n >= least) for n, m in zip(sizes, shape, strict=True))
 
 
 def finite(name: str, values: Floats) -> Floats:
@@ -72,7 +81,13 @@ def first_poses(start: Floats | None) -> Floats | None:
     if start is None:
         return None
     shape = (3,) if np.ndim(start) == 1 else (-1, 3)
-    return finite("start", shaped("start", start, shape))
+    start = finite("start", shaped("start", start, shape))
+    if np.abs(start).max() > FARTHEST:
+        raise InputError(
+            f"`start` must be within +-{FARTHEST:g} body lengths and radians, got {np.abs(start).max():.3g}: beyond, "
+            "steps of a body are rounding."
+        )
+    return start
 
 
 def times_of(times: Floats | None, rows: int) -> Floats | None:

@@ -30,9 +30,10 @@ class Simulation(Shown):
     trajectory: Trajectory
 
     def summary(self) -> str:
-        """The problem, and how far it went; limits of its joints that it breaks, angles that may be degrees."""
+        """The problem, and how far it went; limits of its joints that it breaks, units that may be others."""
         told = self.trajectory.odd_units
-        broken = [said for said in broken_limits(self.problem, self.table) if said not in told]
+        doubts = [*self.problem.odd_units, *broken_limits(self.problem, self.table)]
+        broken = [said for said in doubts if said not in told]
         return warned(f"{self.problem.name}: {self.trajectory.summary()}", broken)
 
 

@@ -146,7 +146,8 @@ def record_of(gaits: dict[str, OptimalGait], found: dict[str, Floats]) -> dict[s
 def lines(record: dict[str, Any]) -> list[str]:
     """The summary."""
     rows = [
-        f"{name:9} played {g['mean']:.4f} +- {g['sd']:.4f} in {len(g['trials'])} trials, promised {g['promised']:.4f}"
+        f"{name:9} played {g['mean']:.4f} +- {g['sd']:.4f} in {counted(len(g['trials']), 'trial')}, promised "
+        f"{g['promised']:.4f}"
         for name, g in ((name, record[name]) for name in MODELS)
     ]
     low, high = record["gain_interval"]

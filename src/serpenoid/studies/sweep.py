@@ -69,7 +69,7 @@ class Sweep(Shown):
 
     def summary(self) -> str:
         """How many points, from how many starts, and what they span."""
-        said = f"{self.problem.name}: {len(self.solved)} of {len(self.points)} point(s) solved"
+        said = f"{self.problem.name}: {len(self.solved)} of {counted(len(self.points), 'point')} solved"
         said += f" from {counted(self.starts, 'start')}{' (more may find a better optimum)' * (self.starts == 1)}"
         if not self.solved:
             return said

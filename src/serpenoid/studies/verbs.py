@@ -23,6 +23,7 @@ from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.load import Campaign, load_campaign
 from serpenoid.model import Model
 from serpenoid.shown import Shown
+from serpenoid.wording import counted
 
 Place = str | Path
 
@@ -36,7 +37,7 @@ class Measured(Shown):
     def summary(self) -> str:
         """Trials and vertices."""
         campaign = self.campaign
-        return f"{campaign.file.name}: {len(campaign.trials)} trial(s), {campaign.body.vertices} vertices"
+        return f"{campaign.file.name}: {counted(len(campaign.trials), 'trial')}, {campaign.body.vertices} vertices"
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -75,7 +76,7 @@ class Compared(Shown):
             return "the body did not move"
         shares = self.study.displacement["Resim"] / self.study.displacement["Exp"]
         eps = self.study.model.medium.anisotropy_ratio
-        said = f"{len(shares)} gait(s), Resim / Exp {shares.min():.3f} .. {shares.max():.3f}"
+        said = f"{counted(len(shares), 'gait')}, Resim / Exp {shares.min():.3f} .. {shares.max():.3f}"
         return f"{said}, anisotropy ratio {eps:.4g} ({self.origin})"
 
 

@@ -27,6 +27,7 @@ from serpenoid.measure.links import bends
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.servo_alignment import MIN_CORRELATION, OFTEN, seen_corners, seen_share
+from serpenoid.wording import counted
 
 ITERATIONS = 5
 MOSTLY = 0.9  # of frames: where more tell the angles, it is not for hidden markers that they are too few
@@ -149,7 +150,9 @@ def _refuse_still(cameras: Signal, servos: Signal) -> None:
             "needed. Was the recording cut short, or its markers never labelled?"
         )
     if read < LEAST_ROWS:
-        raise InputError(f"the servo log has {read} rows of readings, and {LEAST_ROWS} are needed. Leave it out?")
+        raise InputError(
+            f"the servo log has {counted(read, 'row')} of readings, and {LEAST_ROWS} are needed. Leave it out?"
+        )
     for signal, who in ((cameras, "markers"), (servos, "servos' readings")):
         if not signal.moves:
             raise InputError(

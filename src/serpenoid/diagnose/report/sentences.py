@@ -109,13 +109,13 @@ def _stage(effect: Record) -> str:
 
 
 def inadequacy(record: Record) -> list[str]:
-    """Where names may be stand-ins: why, and what follows."""
+    """Where names may be stand-ins: why, and what follows; where drag is more unlike than water makes it."""
     stand_ins = [e for e in record["effects"] if e["stand_in"]]
     servos, seen = ([title(e) for e in stand_ins if _stage(e) == stage] for stage in ("actuation", "observation"))
     said = [_why_doubted(record, bool(seen))] if len(stand_ins) > len(servos) + len(seen) else []
     for names, whose in ((servos, "what the servos do"), (seen, "what markers show beside the servos")):
         said += [f"{whose} follows another law; parts of it: {few(names)}"] if names else []
-    return said + [DOUBT] * bool(stand_ins)
+    return said + [DOUBT] * bool(stand_ins) + record.get("beyond_water", [])  # not in older answers
 
 
 def _why_doubted(record: Record, seen: bool) -> str:
@@ -401,7 +401,8 @@ def _of_dry_friction(record: Record) -> str:
     """K of forces that dry friction would have, where no file says which law it is and windows had no reason to ask. At
     small slip angles dry friction with forces 1 to K is drag of 1 to K^2 (`media/coulomb.py`)."""
     asked = record["law"]
-    if asked["name"] != DEFAULT or not asked.get("open") or asked.get("rivals"):  # older answers do not say
+    in_water = record.get("kind") == "swimmer"
+    if in_water or asked["name"] != DEFAULT or not asked.get("open") or asked.get("rivals"):  # older answers: not said
         return ""
     if record["drag_ratio"]["value"] is None:
         return ""

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from serpenoid.measure.cells import Floats, clock
 from serpenoid.measure.consistency.signals import LEAST_ROWS
 from serpenoid.measure.quality import stretches
+from serpenoid.wording import counted
 
 FAR = 10.0  # steps of rounding: who turns about a point that rounds alike moves by less
 LEAP = 3.0
@@ -48,7 +49,7 @@ def frozen_said(counts: NDArray[np.int64], names: Sequence[str]) -> str | None:
     which = np.flatnonzero(counts)
     if not len(which):
         return None
-    shown = ", ".join(f"`{names[k]}` in {counts[k]} frames" for k in which[:NAMED])
+    shown = ", ".join(f"`{names[k]}` in {counted(counts[k], 'frame')}" for k in which[:NAMED])
     more = f" and {len(which) - NAMED} more" if len(which) > NAMED else ""
     return (
         f"to the last digit these markers stand still while the others move: {shown}{more}. Frozen by the tracker, or "
