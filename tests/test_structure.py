@@ -238,6 +238,19 @@ def test_every_module_says_what_it_is() -> None:
         assert ast.get_docstring(parsed(path)), path
 
 
+def test_no_name_of_a_module_is_given_twice() -> None:
+    """The second would stand where the first is meant, and say something else."""
+    for path in FILES:
+        names: list[str] = []
+        for node in parsed(path).body:
+            if isinstance(node, ast.FunctionDef | ast.ClassDef):
+                names += [] if isinstance(node, ast.FunctionDef) and node.decorator_list else [node.name]
+            elif isinstance(node, ast.Assign | ast.AnnAssign):
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                names += [n.id for t in targets for n in ast.walk(t) if isinstance(n, ast.Name)]
+        assert len(names) == len(set(names)), (path, sorted({n for n in names if names.count(n) > 1}))
+
+
 @pytest.fixture(scope="module")
 def dear() -> object:
     return object()

@@ -214,6 +214,8 @@ def test_the_stage_of_the_whole_says_what_it_is_of() -> None:
     size = {"unit": "m", "before": 7e-3, "after": 7e-3, "noise_level": 2e-4}
     assert "not judged" in stage_line({"stage": "whole"} | size)
     assert stage_line({"stage": "motion"} | size).endswith("(35 times the noise)")
+    doubtful = stage_line({"stage": "actuation", "doubt": size["noise_level"]} | size)
+    assert "is how far any change may move what the reference's model of the servos missed (35 times" in doubtful
     assert "it grows" not in stage_line({"stage": "whole"} | size)
     assert "it grows" in stage_line({"stage": "whole"} | size | {"after": 9e-3})
 

@@ -16,7 +16,8 @@ MOST_ROWS = 10_000  # of a record that choose between shifts; the best is then r
 MOST_SHIFTS = 40  # that nearly agree
 FREEDOM = 4.0  # numbers in which two records differ: amplitudes and phases of two harmonics
 TINY = 1e-300  # of two signals that agree to the last bit
-CUT_S = 0.1  # in which a record at its end moves, or rests
+CUT_S = 0.1  # in which a record at its end moves, or rests, unless its noise asks for longer
+LEAST_STRETCHES = 8  # of a record: fewer do not tell where it moves
 EARLY = 0.05  # of logs end early: as rare as what else is wrong (`consistency.rivals.FAULTY`)
 LEAST_COMMON = 4  # rows of two records: fewer are no overlap
 HOLE = 3.0  # typical frames: a longer gap is not bridged
@@ -175,10 +176,53 @@ def is_cut(reference_s: Floats, reference: Floats, other_s: Floats, other: Float
 
 
 def _quick(time_s: Floats, values: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-    """When stretches of a record (R, m) begin [s], and in which it moves no less than in the root mean square."""
-    at = np.linspace(time_s[0], time_s[-1], max(int((time_s[-1] - time_s[0]) / CUT_S), 1) + 1)
-    moved = (np.diff(held(time_s, values, at), axis=0) ** 2).sum(axis=1)
-    return at[:-1], moved >= moved.mean()
+    """When stretches of a record (R, m) begin [s], and between which and the next it moves no less than in the root
+    mean square, by their means.
+
+    Where noise moves these as far as the motion does, a record at rest would seem to move: stretches are then twice as
+    long, and so on, down to LEAST_STRETCHES.
+    """
+    covariance, stretch_s = _white(values), CUT_S
+    while True:
+        edges = np.linspace(time_s[0], time_s[-1], max(int((time_s[-1] - time_s[0]) / stretch_s), 2) + 1)
+        means, frames = _means(time_s, values, edges)
+        moved = (np.diff(means, axis=0) ** 2).sum(axis=1)
+        noise = _by_noise(covariance, len(moved)) * (1 / frames[:-1] + 1 / frames[1:])
+        if len(frames) < 2 * LEAST_STRETCHES or moved.mean() >= noise.mean():
+            return edges[:-2], moved >= moved.mean()
+        stretch_s *= 2
+
+
+def _means(time_s: Floats, values: Floats, edges: Floats) -> tuple[Floats, Floats]:
+    """Of a record (R, m) between evenly spaced times, and of how many frames each; where there are none, the record
+    between its frames, as of one."""
+    count = len(edges) - 1
+    within = np.minimum(((time_s - edges[0]) / (edges[1] - edges[0])).astype(int), count - 1)
+    frames = np.bincount(within, minlength=count).astype(float)
+    sums = np.stack([np.bincount(within, column, count) for column in values.T], axis=1)
+    between = held(time_s, values, (edges[:-1] + edges[1:]) / 2)
+    most = np.maximum(frames, 1)
+    return np.where(frames[:, None] > 0, sums / most[:, None], between), most
+
+
+def _white(values: Floats) -> Floats:
+    """Covariance (m, m) of the noise of a record's rows: of third differences, which motion hardly has, over 20."""
+    third = np.diff(values, n=3, axis=0)
+    return third.T @ third / (20 * max(len(third), 1))
+
+
+def _by_noise(covariance: Floats, count: int) -> float:
+    """Square that the sum of noise of this covariance stays below in all of `count` rows but with chance EARLY.
+
+    A sum of squares of correlated numbers is as one of fewer that are alike (Satterthwaite).
+    """
+    from scipy.special import chdtri
+
+    total, squares = float(np.trace(covariance)), float((covariance**2).sum())
+    if not squares > 0:
+        return 0.0
+    alike = total**2 / squares
+    return total * float(chdtri(alike, EARLY / count)) / alike
 
 
 def _held_costs(

@@ -33,7 +33,7 @@ UNSAID = (
 )
 WHOLE = "; joint table to path, not judged"
 GROWS = "; it grows: errors of the servos and of the medium had cancelled"
-DOUBT = "how far any change may move what the reference's model of the servos missed"
+MISSED_THEN = "how far any change may move what the reference's model of the servos missed"
 SHOWN = 1.15  # times the noise: what reads more than 1.1
 WITHIN = "; in so few windows noise may make as much; what repeats share of it is no more than noise"
 ALIKE = 0.005  # of eps: what reads alike
@@ -510,7 +510,7 @@ def stage_line(s: Record) -> str:
     grows = GROWS if s["after"] > hypot(s["before"], s["noise_level"]) else ""
     whole = WHOLE + grows if s["stage"] == "whole" else ""
     doubt = s.get("doubt", 0.0)  # not in older answers
-    mostly = f", of which {shown(doubt, s['unit'])} is {DOUBT}" if 2 * doubt**2 > s["noise_level"] ** 2 else ""
+    mostly = f", of which {shown(doubt, s['unit'])} is {MISSED_THEN}" if 2 * doubt**2 > s["noise_level"] ** 2 else ""
     return f"{before} -> {after}, noise level {noise}{mostly}{beside}{whole}"
 
 

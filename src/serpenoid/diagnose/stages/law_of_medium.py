@@ -71,8 +71,9 @@ def law_of(
 
 
 def in_words(found: Selection, other: Selection, left: Misfits, baseline: Baseline) -> str:
-    """Why the other law is taken, and the numbers that its baseline has."""
+    """Why the other law is taken, and the numbers that its baseline has: both misfits of the law itself decide."""
     digits = 1 if round(left.named, 1) != round(left.beside, 1) else 2
+    alone = f" (and alone by {left.alone:.{digits}f})" if found.best.effects else ""
     (before, then), (after, now) = (
         (s.null.model.law.title + (" with what is named" if s.best.effects else ""), f"{misfit:.{digits}f}")
         for s, misfit in zip((found, other), (left.named, left.beside), strict=True)
@@ -82,7 +83,7 @@ def in_words(found: Selection, other: Selection, left: Misfits, baseline: Baseli
         f"{p.name} {e.parameters[p.name]:.3g} {p.unit}".removesuffix(" 1") for e in own for p in e.effect.parameters
     ]
     beside = f" with {', '.join(numbers)}" if numbers else ""
-    return f"{after} misses windows by {now} times the noise, {before} by {then}: it is taken{beside}"
+    return f"{after} misses windows by {now} times the noise, {before} by {then}{alone}: it is taken{beside}"
 
 
 def numbers_settled(
