@@ -1,46 +1,41 @@
 """What else does as much as another anisotropy ratio: beside a reference, where that takes most of what has changed.
 
-eps is fitted before effects are looked for, and what one wheel does to a path another eps may do as well: of what is
-left then, the wheel takes next to nothing. So where nothing is named and another eps leaves more than noise, single
-changes are fitted once more with eps as it was, and held against it by their likelihood, the law's error included
-(explanations.py). They have no names: which of them it is, is left open.
+eps is fitted before effects are looked for, and what one wheel does to a path another eps may do as well. So where
+nothing is named and another eps leaves more than noise, single changes are fitted once more with eps as it was, and
+held against it by their likelihood, the law's error included (explanations.py). They have no names: which of them it
+is, is left open.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from serpenoid.diagnose.data.chance import CONFIDENCE
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.data.shared import discrepancy
 from serpenoid.diagnose.inference.explanations import likely, singles
-from serpenoid.diagnose.inference.medium import Fit, fit_eps
+from serpenoid.diagnose.inference.medium import Fit
 from serpenoid.diagnose.inference.names import Try
+from serpenoid.diagnose.inference.ratio_as_it_was import as_it_was, taken
 from serpenoid.diagnose.inference.select import Selection, at_other_places, attempts
-from serpenoid.model import Model
 from serpenoid.wording import listed
-
-MOST = 1 / 2  # of what has changed: another eps that takes less stands in nobody's way
-HELD = 1e-4  # of eps: between bounds so near to it
 
 
 def as_much_as_another_ratio(found: Selection) -> tuple[str, ...]:
     """In words; none without a reference, or where an effect is named, or another eps does not take most."""
     motion, null = found.motion, found.null
-    if motion.ratio is None or found.best.effects or not discrepancy(motion, null.predictions):
+    if found.best.effects or not discrepancy(motion, null.predictions):
         return ()
-    model = _held(null.model, motion.ratio)
-    base = fit_eps(motion, model)
-    if _taken(base, null) < MOST or base.evidence.count.sum() < null.evidence.count.sum():
+    base = as_it_was(motion, null)
+    if base is None:
         return ()
-    tries = singles(motion, model)
+    tries = singles(motion, base.model)
     tries += attempts(motion, base, at_other_places(base, tries))
     same = _as_likely(motion, null, tries)
     if not same:
         return ()
     return (
-        f"another anisotropy ratio takes away {_taken(base, null):.0%} of what has changed; if it is what it was, "
+        f"another anisotropy ratio takes away {taken(base, null):.0%} of what has changed; if it is what it was, "
         f"{_which(base, same)} may do it: which of them it is, what the law gets wrong leaves open",
     )
 
@@ -50,21 +45,11 @@ def _which(base: Fit, same: Sequence[Try]) -> str:
     said = []
     for name in dict.fromkeys(t.added.name for t in same):
         mine = [t for t in same if t.added.name == name]
-        shares = sorted({f"{_taken(base, t.fit):.0%}" for t in mine})
+        shares = sorted({f"{taken(base, t.fit):.0%}" for t in mine})
         places = [str(t.added.place) for t in mine if t.added.place is not None]
         where = f" at {mine[0].added.effect.place} {listed(places, 'or')}" if places else ""
         said.append(f"{name}{where} ({' to '.join(dict.fromkeys((shares[0], shares[-1])))})")
     return listed(said, "or")
-
-
-def _held(model: Model, ratio: float) -> Model:
-    """The model with eps as it was, and nothing else."""
-    return replace(model, medium=model.medium.with_ratio(ratio).within(ratio * (1 - HELD), ratio * (1 + HELD)))
-
-
-def _taken(base: Fit, found: Fit) -> float:
-    """Of chi squared."""
-    return 1 - found.chi2 / base.chi2
 
 
 def _as_likely(motion: Motion, null: Fit, tries: list[Try]) -> list[Try]:

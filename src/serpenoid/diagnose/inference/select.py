@@ -39,6 +39,7 @@ from serpenoid.diagnose.inference.names import Kept, Key, Try, bare_of, each_wit
 from serpenoid.diagnose.inference.places import placed
 from serpenoid.diagnose.inference.prices import gained_by_chance
 from serpenoid.diagnose.inference.ranking import PER_NAME, needed, score, shortlist
+from serpenoid.diagnose.inference.ratio_as_it_was import as_it_was, freed
 from serpenoid.diagnose.inference.room import chance
 from serpenoid.diagnose.inference.rules import choose
 from serpenoid.diagnose.inference.scans import Ranked
@@ -106,6 +107,8 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
         if all(off_by(motion, t.fit) > FAR for t in tries):
             tries += attempts(motion, best, from_typical(motion, best, every=not level or motion.unrepeated))
         tries += attempts(motion, best, at_other_places(best, tries))
+        if not level:
+            tries += beside_the_earlier_ratio(motion, null)
         least_left = min(f.chi2 for f in (best, *(t.fit for t in tries)))
         if rival is not None and least_left > UNCLEAR * best.evidence.count.sum():
             tries += beside(motion, rival, FULL_FITS[level])
@@ -338,6 +341,16 @@ def beside(motion: Motion, rival: Try, count: int) -> list[Try]:
     """What goes with another first effect: the first choice may have bent itself around a second that was missing."""
     base = fit_guided(motion, rival.fit)
     return attempts(motion, base, shortlist(score(motion, base), count))
+
+
+def beside_the_earlier_ratio(motion: Motion, null: Fit) -> list[Try]:
+    """Beside a reference, from eps as it was, where another one takes most of what has changed: it may have bent itself
+    around what is missing."""
+    base = as_it_was(motion, null)
+    if base is None:
+        return []
+    base = freed(base, null)
+    return attempts(motion, base, shortlist(score(motion, base), FULL_FITS[0]))
 
 
 def from_typical(motion: Motion, base: Fit, every: bool = True) -> list[Ranked]:
