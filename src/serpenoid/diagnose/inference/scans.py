@@ -55,12 +55,14 @@ class Scanned:
 
 
 def on_offer(motion: Motion, base: Fit) -> list[Scanned]:
-    """Grids over the floor that was visited, of every effect that may still be there.
+    """Grids over the floor that was visited, of every effect that may still be there. A spot of the floor has one law:
+    beside one of them none is on offer.
 
     A grid spans all that lies between places that were visited; candidates there that nothing came near would do
     nothing, and on a large floor they are nearly all.
     """
-    absent = {e.name for e in base.effects} | motion.untestable
+    if any(e.effect.scan is not None for e in base.effects):
+        return []
     length = motion.tracks[0].recording.body.total_length_m
     place = np.concatenate([t.on_floor[:, :2] for t in motion.tracks])
     low, high = place.min(axis=0), place.max(axis=0)
@@ -68,7 +70,7 @@ def on_offer(motion: Motion, base: Fit) -> list[Scanned]:
     visited = np.concatenate([(p[:, None, :2] + turn(p[:, 2:], v)).reshape(-1, 2) for p, v in ends])
     found = []
     for kind in motion_effects():
-        if kind.scan is not None and kind.name not in absent:
+        if kind.scan is not None and kind.name not in motion.untestable:
             for grid in kind.scan.grids(low, high, length):
                 one, two = grid.felt(visited)
                 found.append(Scanned(kind.name, kind.scan, grid, np.flatnonzero((one.T @ two).ravel() > FELT)))
