@@ -1,7 +1,7 @@
-"""All keys together: `python -m blind.totals results/blind` writes totals.md there, and the README holds the same rows.
+"""All keys together: `python -m blind.totals results/blind README.md` writes totals.md, and its rows into the README.
 
 Of each kind of campaign: how many answers are right where something is required of them, over the keys of the present
-method (`FIRST` on). Each table says of itself with which commit it was made.
+method (`FIRST` on). Each key's own table says with which commit it was made.
 """
 
 from __future__ import annotations
@@ -22,12 +22,14 @@ CAUSES = {"null": "nothing", "one": "one effect", "two": "two effects", "outside
 ROWS = {
     "random robots and protocols": RANDOM,
     "the ten-servo snake": USUAL,
-    "healthy robots beside themselves": ("same", "days"),
-    "dry friction, with and without a reference": ("dry",),
-    "a floor whose law is not in the catalogue, the same": ("physics",),
+    "healthy robots, beside a healthy reference": ("same", "days"),
+    "floors of dry friction, half of them beside a reference": ("dry",),
+    "floors whose law is not in the catalogue, half of them beside a reference": ("physics",),
     "nothing played twice, beside a reference": ("once",),
     "something begins amid the campaign": ("amid",),
 }
+ARENA = "the virtual laboratory, random robots, beside a reference"
+HEAD = "campaigns of"
 Count = tuple[int, int]
 
 
@@ -90,9 +92,9 @@ def in_the_arena(root: Path) -> Sum:
 def lines(root: Path) -> list[str]:
     """The table, as the README holds it."""
     sums = {title: summed(root, kinds) for title, kinds in ROWS.items()}
-    sums["the virtual laboratory, random robots, beside a reference"] = in_the_arena(root)
-    head = ["campaigns", *CAUSES.values(), "intervals"]
-    rows = [["of", *head], ["---"] * (len(head) + 1)]
+    sums[ARENA] = in_the_arena(root)
+    head = [HEAD, "count", *CAUSES.values(), "intervals"]
+    rows = [head, ["---"] * len(head)]
     for title, s in sums.items():
         shares = [s.causes.get(cause, (0, 0)) for cause in CAUSES]
         rows.append([title, str(s.campaigns), *map(_share, [*shares, s.intervals])])
@@ -103,13 +105,21 @@ def _share(count: Count) -> str:
     return f"{count[0]} of {count[1]}" if count[1] else ""
 
 
-def main(root: Path) -> None:
-    """totals.md, beside the folders of the keys."""
-    assert set(TITLES) >= {kind for kinds in ROWS.values() for kind in kinds}
-    keys = summed(root, tuple(TITLES)).keys
-    head = ["# All keys", "", f"Written by `python -m blind.totals`: {keys[0]} to {keys[-1]}.", ""]
-    (root / "totals.md").write_text("\n".join([*head, *lines(root)]) + "\n")
+def main(root: Path, readme: Path) -> None:
+    """totals.md beside the folders of the keys, and the table in the README."""
+    found, keys = lines(root), summed(root, tuple(TITLES)).keys
+    head = [
+        "# All keys",
+        "",
+        f"Written by `python -m blind.totals`: {keys[0]} to {keys[-1]}, and all of the arena.",
+        "",
+    ]
+    (root / "totals.md").write_text("\n".join([*head, *found]) + "\n", encoding="utf-8")
+    text = readme.read_text(encoding="utf-8").split("\n")
+    begin = next(i for i, line in enumerate(text) if line.startswith(f"| {HEAD} |"))
+    end = next(i for i in range(begin, len(text)) if not text[i].startswith("|"))
+    readme.write_text("\n".join([*text[:begin], *found, *text[end:]]), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(*map(Path, sys.argv[1:]))
