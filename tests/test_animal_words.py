@@ -74,7 +74,7 @@ def test_of_a_body_that_stays_nobody_says_which_end_leads(tmp_path: Path) -> Non
 
 @pytest.mark.filterwarnings("error")
 def test_one_frame_is_no_motion(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"crawler.csv: 1 frame\(s\); a motion takes 8 or more"):
+    with pytest.raises(InputError, match=r"crawler.csv: 1 frame; a motion takes 8 or more"):
         notes(tmp_path, *(values[:1] for values in crawl(20)))
 
 

@@ -17,6 +17,7 @@ from serpenoid.files.inputs import csv_rows, number, read_text
 from serpenoid.files.writing import write_csv
 from serpenoid.wording import counted
 
+EMPTY = " \t,;"  # a last line of nothing else: what is above it has its end
 ALL_DIGITS = 17  # characters, of 0.123456789012345: spreadsheets write no more
 SHORT = 6  # characters, of 0.1234: shorter ones are written by hand, with as many digits as they need
 
@@ -78,7 +79,7 @@ def read_any_table(path: str | Path, joint_count: int | None = None) -> ReadTabl
     if len(lines) < 4:
         raise InputError(f"{path}: a gait needs at least 3 rows, got {len(lines) - 1}.")
     angles = np.array([_numbers(path, line, row, head) for line, row in lines[1:]])
-    ended = text.endswith(("\n", "\r"))
+    ended = text.rstrip(EMPTY).endswith(("\n", "\r"))
     if not ended:
         _refuse_cut(path, lines[1:])
     return ReadTable(angles, in_space, ended)

@@ -171,12 +171,19 @@ def is_cut(reference_s: Floats, reference: Floats, other_s: Floats, other: Float
     keep = np.isfinite(reference).all(axis=1)
     begin, quick = _quick(reference_s[keep], reference[keep])
     span = begin[quick][-1] - begin[quick][0]
-    own = _quick(other_s, other)[1]
+    own = _moving(other_s, other)
     return bool(own[0] or own[-1] or other_s[-1] - other_s[0] < span)
 
 
+def _moving(time_s: Floats, values: Floats) -> NDArray[np.bool_]:
+    """In which stretches a record without noise (R, m), that of servos, moves no less than in the root mean square."""
+    at = np.linspace(time_s[0], time_s[-1], max(int((time_s[-1] - time_s[0]) / CUT_S), 1) + 1)
+    moved = (np.diff(held(time_s, values, at), axis=0) ** 2).sum(axis=1)
+    return np.asarray(moved >= moved.mean())
+
+
 def _quick(time_s: Floats, values: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-    """When stretches of a record (R, m) begin [s], and between which and the next it moves no less than in the root
+    """When stretches of a film's record (R, m) begin [s], and between which and the next it moves no less than in the root
     mean square, by their means.
 
     Where noise moves these as far as the motion does, a record at rest would seem to move: stretches are then twice as
