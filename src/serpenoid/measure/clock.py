@@ -183,8 +183,8 @@ def _moving(time_s: Floats, values: Floats) -> NDArray[np.bool_]:
 
 
 def _quick(time_s: Floats, values: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-    """When stretches of a film's record (R, m) begin [s], and between which and the next it moves no less than in the root
-    mean square, by their means.
+    """When stretches of a film's record (R, m) begin [s], and between which and the next, by their means, it moves no
+    less than in the root mean square.
 
     Where noise moves these as far as the motion does, a record at rest would seem to move: stretches are then twice as
     long, and so on, down to LEAST_STRETCHES.
