@@ -167,6 +167,7 @@ def test_a_long_recording_is_used_for_so_many_windows(
     assert any("the first" in r.words and "`from_s`" in r.words for r in kept.remarks)
 
 
+@pytest.mark.slow
 def test_noise_of_an_animals_paths_is_what_draws_of_its_points_add_up_to(tmp_path: Path) -> None:
     """Two routes: windows with the share of poses that draws tell, strung together, and paths of draws themselves. 24
     draws know an RMS to 15 %; windows taken for independent add up to half as much again."""

@@ -237,6 +237,7 @@ def test_a_lag_that_hides_in_the_noise_of_markers_is_played_all_the_same(four: t
     assert 0.02 < low < lag < high
 
 
+@pytest.mark.slow
 def test_a_candidate_that_does_nothing_alone_ends_no_search(four: tuple[Recording, ...]) -> None:
     """Beside the beginnings that all joints' fits together make, the quickest joint seems to be explained."""
     lags = np.array([0.25, 0.1, 0.25, 0.03, 0.2, 0.15])
