@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from arena.hidden import Hidden
+from arena.hidden import Hidden, by_cause
 from arena.study import KEPT, diagnosed, judged, moved_by
 from blind import table
 from blind.protocol import Protocol
@@ -307,18 +307,10 @@ def _summary(above: dict[str, str], rows: Sequence[dict[str, Any]]) -> str:
     judged_rows = [r for r in rows if "outcome" in r]
     counts = "; ".join(
         f"{kind}: {sum(r['outcome'] == 'right' for r in some)} of {len(some)} right"
-        for kind, some in _kinds(judged_rows).items()
+        for kind, some in by_cause(judged_rows).items()
         if some
     )
     return head + "\n".join(_line(r) for r in rows) + f"\n\n{counts}.\n"
-
-
-def _kinds(rows: Sequence[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
-    return {
-        "nothing": [r for r in rows if not r["hidden"]],
-        "in the catalogue": [r for r in rows if r.get("answers")],
-        "outside": [r for r in rows if r["hidden"] and not r.get("answers")],
-    }
 
 
 def _line(r: dict[str, Any]) -> str:

@@ -6,7 +6,9 @@ asked is that none is given.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 Name = tuple[str, int | None]
 
@@ -63,3 +65,12 @@ HIDDEN: dict[str, Hidden] = {
     "tether": _one("tether", link=0, x_m=-0.5, y_m=0.0, stiffness=5.0, length_m=0.4),
     "gust": _one("gust", link=5, force_x_N=0.0, force_y_N=5.0, begin_s=4.0, duration_s=1.0),
 }
+
+
+def by_cause(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Mapping[str, Any]]]:
+    """Judged rows of a table by what is hidden there."""
+    return {
+        "nothing": [r for r in rows if not r["hidden"]],
+        "in the catalogue": [r for r in rows if r.get("answers")],
+        "outside": [r for r in rows if r["hidden"] and not r.get("answers")],
+    }

@@ -59,7 +59,7 @@ def page(parts: Sequence[Part]) -> str:
     """Markdown: all proportions beside their targets, then a section for each part."""
     rows = [row for part in parts for row in _proportions(part)]
     head = ["# Hidden-effect trials", "", "Written by `python -m blind.pages`; 95 % intervals after Wilson.", ""]
-    overall = _table(["", "good", "of", "share", "interval", "target"], rows)
+    overall = markdown(["", "good", "of", "share", "interval", "target"], rows)
     return "\n".join([*head, overall, *(_section(part) for part in parts)])
 
 
@@ -89,7 +89,8 @@ def _share(name: str, s: Summary, target: str) -> list[str]:
     return [name, str(s["good"]), str(s["of"]), share, f"{100 * low:.0f} - {100 * high:.0f} %", target]
 
 
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table in Markdown."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
 
@@ -133,12 +134,12 @@ def _strengths(s: Summary) -> str:
         name = f"{b['from']:g} - {b['to']:g}" if b["to"] else f"{b['from']:g} and more"
         size = "" if b["mean_group_size"] is None else f"{b['mean_group_size']:.2f}"
         rows.append([*_share(name, b["right"], "")[:5], *_share(name, b["truth_in_group"], "")[1:2], size])
-    return _table(["weakest S", "right", "of", "share", "interval", "truth in group", "group size"], rows)
+    return markdown(["weakest S", "right", "of", "share", "interval", "truth in group", "group size"], rows)
 
 
 def _calibration(bins: Sequence[Summary]) -> str:
     rows = [[f"{b['stated']:.2f}", *_share("", b, "")[1:5]] for b in bins]
-    return _table(["stated odds", "true", "of", "share", "interval"], rows)
+    return markdown(["stated odds", "true", "of", "share", "interval"], rows)
 
 
 def _follow_up(e: Summary) -> str:
@@ -148,13 +149,13 @@ def _follow_up(e: Summary) -> str:
             ", ".join(c[k]) or "nothing" if c[k] is not None else "-" for k in ("members_proposed", "members_random")
         ]
         rows.append([_truth(c), f"{min(c['strengths'], default=0):.1f}", ", ".join(c["group"]), *after])
-    return _table(["hidden", "S", "group", "after the proposed experiment", "after a random gait"], rows)
+    return markdown(["hidden", "S", "group", "after the proposed experiment", "after a random gait"], rows)
 
 
 def _confusion(table: Mapping[str, Mapping[str, int]]) -> str:
     names = sorted({c for row in table.values() for c in row})
     rows = [[hidden, *(str(row.get(c, "")) for c in names)] for hidden, row in table.items()]
-    return _table(["", *names], rows)
+    return markdown(["", *names], rows)
 
 
 def _misses(rows: Sequence[Summary]) -> str:
@@ -163,7 +164,7 @@ def _misses(rows: Sequence[Summary]) -> str:
         strengths = ", ".join(f"{x:.1f}" for x in r.get("strengths", []))
         apart = ", ".join(f"{k} {v:.1f}" for k, v in r.get("separations", {}).items())
         said.append([r["identity"], _truth(r), strengths, r["outcome"], ", ".join(r.get("group", [])), apart])
-    return _table(["trial", "hidden", "S", "outcome", "group", "separations"], said)
+    return markdown(["trial", "hidden", "S", "outcome", "group", "separations"], said)
 
 
 def _truth(row: Summary) -> str:

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from arena.hidden import by_cause
 from blind import table
-from blind.pages import TITLES, parts_of
+from blind.pages import TITLES, markdown, parts_of
 
 FIRST = 12  # gates-12: the first key with noise levels from true shapes
 RANDOM, USUAL = ("random", "laid", "weather"), ("null", "one", "two", "outside")
@@ -80,25 +81,21 @@ def in_the_arena(root: Path) -> Sum:
     """Robots drawn at random in the arena, two changes each, all keys."""
     tables = [(p.parent.name, table.read(p)[1]) for p in sorted(root.glob("any-*/any-robot.csv"))]
     judged = [r for _, rows in tables for r in rows if "outcome" in r]
-    kinds = {
-        "null": [r for r in judged if not r["hidden"]],
-        "one": [r for r in judged if r.get("answers")],
-        "outside": [r for r in judged if r["hidden"] and not r.get("answers")],
-    }
-    causes = {k: (sum(r["outcome"] == "right" for r in rows), len(rows)) for k, rows in kinds.items()}
+    split = zip(("null", "one", "outside"), by_cause(judged).values(), strict=True)
+    causes = {k: (sum(r["outcome"] == "right" for r in rows), len(rows)) for k, rows in split}
     return Sum(len(judged), tuple(name for name, _ in tables), causes, (0, 0))
 
 
-def lines(root: Path) -> list[str]:
+def page(root: Path) -> str:
     """The table, as the README holds it."""
     sums = {title: summed(root, kinds) for title, kinds in ROWS.items()}
     sums[ARENA] = in_the_arena(root)
     head = [HEAD, "count", *CAUSES.values(), "intervals"]
-    rows = [head, ["---"] * len(head)]
+    rows = []
     for title, s in sums.items():
         shares = [s.causes.get(cause, (0, 0)) for cause in CAUSES]
         rows.append([title, str(s.campaigns), *map(_share, [*shares, s.intervals])])
-    return ["| " + " | ".join(row) + " |" for row in rows]
+    return markdown(head, rows)
 
 
 def _share(count: Count) -> str:
@@ -107,18 +104,18 @@ def _share(count: Count) -> str:
 
 def main(root: Path, readme: Path) -> None:
     """totals.md beside the folders of the keys, and the table in the README."""
-    found, keys = lines(root), summed(root, tuple(TITLES)).keys
+    found, keys = page(root), summed(root, tuple(TITLES)).keys
     head = [
         "# All keys",
         "",
         f"Written by `python -m blind.totals`: {keys[0]} to {keys[-1]}, and all of the arena.",
         "",
     ]
-    (root / "totals.md").write_text("\n".join([*head, *found]) + "\n", encoding="utf-8")
+    (root / "totals.md").write_text("\n".join([*head, found]), encoding="utf-8")
     text = readme.read_text(encoding="utf-8").split("\n")
     begin = next(i for i, line in enumerate(text) if line.startswith(f"| {HEAD} |"))
     end = next(i for i in range(begin, len(text)) if not text[i].startswith("|"))
-    readme.write_text("\n".join([*text[:begin], *found, *text[end:]]), encoding="utf-8")
+    readme.write_text("\n".join([*text[:begin], *found.splitlines(), *text[end:]]), encoding="utf-8")
 
 
 if __name__ == "__main__":

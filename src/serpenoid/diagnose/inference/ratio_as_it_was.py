@@ -33,7 +33,7 @@ def as_it_was(motion: Motion, null: Fit) -> Fit | None:
 
 def freed(base: Fit, null: Fit) -> Fit:
     """The same where fits that go on from it may change eps again."""
-    medium = base.model.medium.model_copy(update={"anisotropy_ratio_bounds": null.model.medium.anisotropy_ratio_bounds})
+    medium = null.model.medium.with_ratio(base.model.medium.anisotropy_ratio)
     return replace(base, model=replace(base.model, medium=medium))
 
 

@@ -6,12 +6,10 @@ the spot, the body slips sideways more easily and rolls no better: its anisotrop
 
 from __future__ import annotations
 
-import casadi as ca
-
-from serpenoid.effects.base import MediumEffect, Parameter, Symbols
+from serpenoid.effects.base import MediumEffect, Symbols
 from serpenoid.effects.element import Element
-from serpenoid.effects.medium import friction_patch, tyre_grip
-from serpenoid.effects.scan import Scan
+from serpenoid.effects.medium import tyre_grip
+from serpenoid.effects.spot import factor, scan, spot
 
 
 class GripPatch(MediumEffect):
@@ -19,29 +17,17 @@ class GripPatch(MediumEffect):
 
     def on_element(self, element: Element, p: Symbols) -> Element:
         """Scale what slides by the place of the vertex in the middle of the step."""
-        away = element.place - ca.vertcat(p.x, p.y)
-        return element.gripping(1 + p.change * ca.exp(-ca.dot(away, away) / (2 * p.radius**2)))
+        return element.gripping(factor(element, p.change, p))
 
 
 EFFECT = GripPatch(
     name="grip_patch",
     place=None,
-    parameters=(
-        Parameter("change", "1", -0.999, 20.0, 0.0, 2.0, "relative change of the force across wheels in the middle"),
-        Parameter("x", "m", -100.0, 100.0, None, 0.2, "middle of the patch on the floor"),
-        Parameter("y", "m", -100.0, 100.0, None, 0.1, "middle of the patch on the floor"),
-        Parameter("radius", "m", 0.01, 10.0, None, 0.2, "where it has fallen to 61 %"),
-    ),
+    parameters=spot("change", "relative change of the force across wheels in the middle"),
     looks_like="residuals gather at one place on the floor, where gaits go less far (< 0) than elsewhere",
     what_to_do="clean the floor there, or move the arena",
     needs=frozenset({"wheels"}),
     rank=25,
     knows=frozenset({"place"}),
-    scan=Scan(
-        made_of=tyre_grip.EFFECT.name,
-        by_weight=False,
-        size="radius",
-        begins=(-0.9, 3.0),
-        grids=friction_patch.grids,
-    ),
+    scan=scan(tyre_grip.EFFECT, by_weight=False),
 )
