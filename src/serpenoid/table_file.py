@@ -13,7 +13,8 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
-from serpenoid.files.inputs import csv_rows, number, read_text
+from serpenoid.files.inputs import csv_rows, number
+from serpenoid.files.workbook import table_text
 from serpenoid.files.writing import write_csv
 from serpenoid.wording import counted
 
@@ -59,7 +60,7 @@ def plane(path: str | Path, table: ReadTable) -> Floats:
 
 def read_any_table(path: str | Path, joint_count: int | None = None) -> ReadTable:
     """The same, also of a gait in space."""
-    text = read_text(path)
+    text = table_text(path)
     lines = [(line, row) for line, row in enumerate(csv_rows(text, path), start=1) if row]
     head = [cell.strip() for cell in lines[0][1]] if lines else []
     m = joint_count or len(head) or 2

@@ -70,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
         if given is None and question.passed_over(answers):
             answers[question.name] = None
             continue
-        default = question.default_for(answers)
+        default = "" if given is not None else question.default_for(answers)
         wanted = given is None and not said and not idle
         if wanted and talks:
             answers[question.name] = _ask(question, default)

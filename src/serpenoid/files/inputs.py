@@ -15,8 +15,9 @@ import math
 import os
 import re
 import stat
+import zipfile
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -27,19 +28,24 @@ RECORDING_BYTES = 1_000_000_000  # an hour of a hundred markers at 100 frames/s 
 DENSEST = 100  # times what it is packed to: recordings as text are packed to a fifth or a twentieth
 DEEPEST = 32  # sections within sections; what the package writes has 7
 CELL_CHARACTERS = 100_000
-GZIP = b"\x1f\x8b"
+GZIP, ZIP = b"\x1f\x8b", b"PK\x03\x04"
+SHEETS = ("[Content_Types].xml", "mimetype")  # what archives hold that are spreadsheets: xlsx, ods
+BESIDE = re.compile(r"(.*/)?(__MACOSX/.*|\..*|.*/)")  # what archives hold beside their files
+SPREADSHEET = "a spreadsheet (xlsx, ods) or another zip archive"
+MOST_NAMED = 4
 NO_TEXT = {
-    b"PK\x03\x04": "a spreadsheet (xlsx, ods) or another zip archive. Save the sheet as CSV in UTF-8, or unpack it",
-    b"\xd0\xcf\x11\xe0": "an old spreadsheet (xls). Save the sheet as CSV in UTF-8",
+    ZIP: f"{SPREADSHEET}. Save the sheet as CSV in UTF-8, or unpack it",
+    b"\xd0\xcf\x11\xe0": "an old spreadsheet (xls), or one with a password. Save the sheet as CSV in UTF-8",
     b"MATLAB ": 'one of MATLAB\'s: is `format = "array"` meant?',
     b"\x02P": 'a C3D file: is `format = "c3d"` meant?',
-    b"<?xml": "one of XML. Export a table of points as CSV",
+    b"<?xml": 'one of XML: of TrackMate, `format = "trackmate"`. Of others export a table of points as CSV',
     b"\x89HDF": "an HDF5 file. Is `format` that of another program, or the file to be exported as CSV?",
 }  # what files begin with that are often taken for text
 DECIMAL_COMMA = re.compile(r"\s*[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?\s*", re.ASCII)
 SEPARATORS = ",;\t|"
 QUOTED = re.compile(r'"[^"]*"')
 DIRECTIVE = re.compile(r'"?sep=(.)"?', re.IGNORECASE)  # the first line that some spreadsheets write and take
+BROKEN_ARCHIVE = (OSError, EOFError, zlib.error, zipfile.BadZipFile, RuntimeError, ValueError)  # encrypted: the fifth
 NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*", re.ASCII)
 
 
@@ -69,11 +75,19 @@ def read_bytes(path: str | Path, most: int = SETTINGS_BYTES) -> bytes:
     return data
 
 
-def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
-    """UTF-8 text, with or without a byte-order mark, UTF-16 with one, or such text packed by gzip."""
+def read_unpacked(path: str | Path, most: int = SETTINGS_BYTES) -> bytes:
+    """The file's bytes, or those of the one file that gzip or a zip archive packed into it."""
     data = read_bytes(path, most)
     if data.startswith(GZIP):
-        data = _unpacked(data, path, most)
+        return _bounded(lambda size: _of_gzip(data, size), len(data), "gzip", path, most)
+    if data.startswith(ZIP) and not any(name.encode() in data for name in SHEETS):
+        return _bounded(lambda size: _of_archive(data, path, size), len(data), "zip", path, most)
+    return data
+
+
+def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
+    """UTF-8 text, with or without a byte-order mark, UTF-16 with one, or such text packed by gzip or zip."""
+    data = read_unpacked(path, most)
     for begin, what in NO_TEXT.items():
         if data.startswith(begin):
             raise InputError(f"{path}: not a text file but {what}{'' if what.endswith('?') else '.'}")
@@ -98,20 +112,43 @@ def first_line(path: Path) -> str:
         return ""
 
 
-def _unpacked(data: bytes, path: str | Path, most: int) -> bytes:
-    likely = max(SETTINGS_BYTES, DENSEST * len(data))
+def _bounded(unpack: Callable[[int], bytes], size: int, packer: str, path: str | Path, most: int) -> bytes:
+    """What `unpack` gives of at most so many bytes; InputError where there are more than a recording has."""
+    likely = max(SETTINGS_BYTES, DENSEST * size)
     try:
-        with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
-            found = stream.read(min(most, likely) + 1)
-    except (OSError, EOFError, zlib.error) as error:
-        raise InputError(f"{path}: packed by gzip, and cannot be unpacked ({error}). Was the copy cut off?") from None
+        found = unpack(min(most, likely) + 1)
+    except InputError:
+        raise
+    except BROKEN_ARCHIVE as error:
+        what = f"not a text file but {SPREADSHEET}" if packer == "zip" else f"packed by {packer}"
+        cure = " Save the sheet as CSV in UTF-8, or unpack it." if packer == "zip" else ""
+        raise InputError(f"{path}: {what}, and cannot be unpacked ({error}). Was the copy cut off?{cure}") from None
     if len(found) > most:
         raise InputError(f"{path}: must be at most {most / 1e6:g} MB when unpacked. Is it the right file?")
     if len(found) > likely:
         raise InputError(
-            f"{path}: packed by gzip to less than a part in {DENSEST}, which no recording is. Is it the right file?"
+            f"{path}: packed by {packer} to less than a part in {DENSEST}, which no recording is. Is it the right file?"
         )
     return found
+
+
+def _of_gzip(data: bytes, size: int) -> bytes:
+    with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
+        return stream.read(size)
+
+
+def _of_archive(data: bytes, path: str | Path, size: int) -> bytes:
+    """Of the one file in a zip archive."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        names = [name for name in archive.namelist() if not BESIDE.fullmatch(name)]
+        if len(names) != 1:
+            there = ", ".join(f"`{name}`" for name in names[:MOST_NAMED]) + ", ..." * (len(names) > MOST_NAMED)
+            raise InputError(
+                f"{path}: a zip archive of {len(names)} files{f' ({there})' if names else ''}, where one is read. "
+                "Unpack it, and name one of them."
+            )
+        with archive.open(names[0]) as stream:
+            return stream.read(size)
 
 
 def csv_rows(text: str, path: str | Path) -> list[list[str]]:

@@ -127,7 +127,7 @@ def _of_others(others: list[str], path: Path) -> str:
 
 def _of_structure(name: str, fields: list[str], path: Path) -> str:
     if "Trajectories" in fields:
-        return ' Is it an export of QTM? Take that as TSV or C3D: `format = "qualisys"` or "c3d".'
+        return ' Is it an export of QTM? Then `format = "qualisys"`; of MATLAB\'s -v7.3 take TSV or C3D.'
     known = [field for field in MAT_ARRAYS if field in fields]
     taken = " ".join(f"{field} = {name}.{field};" for field in known) or f"points = {name}.FIELD; t_s = {name}.FIELD;"
     return f" Arrays within a structure are not read: in MATLAB `{taken} {_saved(path, known or ('points', 't_s'))}`."

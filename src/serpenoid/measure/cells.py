@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
 from serpenoid.files import inputs
-from serpenoid.files.inputs import RECORDING_BYTES, csv_rows, read_text
+from serpenoid.files.inputs import RECORDING_BYTES, csv_rows
+from serpenoid.files.workbook import table_text
 from serpenoid.wording import counted
 
 Floats = NDArray[np.float64]
@@ -51,7 +52,7 @@ def read_rows(path: Path, live: bool = False) -> Rows:
     """All rows of a CSV but empty ones before and after, and those that begin with `#`; where the last of these names
     as many columns as the first row has numbers, it is the header. `live`: the file may end in the middle of a row
     (power loss): it is dropped."""
-    text = read_text(path, RECORDING_BYTES)
+    text = table_text(path, RECORDING_BYTES)
     if not text.strip():
         raise InputError(f"{path}: is empty. Was the recording stopped before anything was written?")
     if live and not text.endswith("\n"):

@@ -44,7 +44,7 @@ def read_in_child(kind: str, path: Path, size: int) -> Arrays:
 
 def main(kind: str, path: str, megabytes: int) -> int:
     """Write one file's arrays."""
-    read = {"C3D": _c3d, "MATLAB": _matlab, "NumPy": _numpy}[kind]()
+    read = {"C3D": _c3d, "MATLAB": _matlab, "NumPy": _numpy, "QTM": _qtm}[kind]()
     _limit_memory(megabytes * 1_000_000)
     try:
         arrays = read(path)
@@ -98,6 +98,30 @@ def _matlab() -> Callable[[str], Arrays]:
         arrays = {name: array.astype(float) for name, array in given.items() if array.dtype.kind in NUMBERS}
         others = [told(path, *of) for of in whosmat(path, appendmat=False) if of[0] not in arrays]
         return arrays | {OTHERS: np.array(others, dtype="U")}
+
+    return read
+
+
+def _qtm() -> Callable[[str], Arrays]:
+    """Labels (M,), positions (M, 4, F), frames and their rate of what QTM exports for MATLAB."""
+    from scipy.io import loadmat
+
+    def read(path: str) -> Arrays:
+        held = (value for value in loadmat(path, appendmat=False).values() if isinstance(value, np.ndarray))
+        takes = [take for value in held for take in value.ravel() if "Trajectories" in (value.dtype.names or ())]
+        if len(takes) != 1:
+            raise ValueError(f"holds {len(takes)} structures with `Trajectories`, where one is read")
+        trajectories = takes[0]["Trajectories"][0, 0]
+        if "Labeled" not in trajectories.dtype.names or not trajectories["Labeled"].size:
+            raise ValueError("has no labelled trajectories: label the markers in QTM, and export it again")
+        labelled = trajectories["Labeled"][0, 0]
+        data = np.asarray(labelled["Data"], dtype=float)
+        return {
+            "labels": np.array([str(np.squeeze(label)) for label in labelled["Labels"].ravel()], dtype="U"),
+            "data": data[..., None] if data.ndim == 2 else data,  # MATLAB drops the axis of one frame
+            "rate": float(takes[0]["FrameRate"].ravel()[0]),
+            "frames": float(takes[0]["Frames"].ravel()[0]),
+        }
 
     return read
 

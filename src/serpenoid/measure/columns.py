@@ -30,7 +30,7 @@ class MotionColumns(Record):
 
     time: Line | None = None
     frame: Line | None = None
-    point: Line | None = Field(default=None, description="long: the point's number or name")
+    point: Line | None = Field(default=None, description="long: the point's number or name (none: by its row)")
     individual: Line | None = Field(default=None, description="long: whose point it is, where a file shows several")
     x: Names | None = Field(default=None, description=f"long: a name; tidy: {NUMBERED}, tail first")
     y: Names | None = Field(default=None, description="as x")

@@ -1,7 +1,13 @@
-"""Where a table begins: rows of facts above its header, and of labels and units below it, are passed over."""
+"""Where a table begins, and what its columns are called.
+
+Rows of facts above a header, and of labels and units below it, are passed over. Names that a header has twice are told
+apart by the row above it, where that has words over several columns each (`tail x` of `x` below `tail`), else by their
+number (`x 2`).
+"""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 
@@ -9,6 +15,7 @@ from serpenoid.errors import InputError
 from serpenoid.files.inputs import number
 from serpenoid.measure.cells import CURES, Rows, missing, place
 from serpenoid.measure.columns import SPELT
+from serpenoid.measure.matlab import OF_IDTRACKER as OF_SEVERAL
 from serpenoid.measure.tracks import LENGTHS
 
 HIGHEST = 200  # rows above a header, at most
@@ -17,9 +24,47 @@ TIMES = {"sec": "s", "second": "s", "seconds": "s", "msec": "ms", "millisecond":
 
 
 def header_row(rows: Rows, has: Callable[[list[str]], bool]) -> int:
-    """The first row that has what is looked for; 0 where none has."""
-    stripped = ([cell.strip() for cell in row] for row in rows[:HIGHEST])
-    return next((i for i, row in enumerate(stripped) if has(row)), 0)
+    """The first row whose names have what is looked for; 0 where none has."""
+    return next((i for i in range(min(HIGHEST, len(rows))) if has(names_of(rows, i))), 0)
+
+
+def names_of(rows: Rows, at: int) -> list[str]:
+    """What columns are called by a row, each name once."""
+    own = [cell.strip() for cell in rows[at]]
+    twice = {name for name, count in Counter(own).items() if name and count > 1}
+    if not twice:
+        return own
+    groups = _groups(rows[at - 1], len(own)) if at else []
+    if groups:
+        return [" ".join(filter(None, pair)) for pair in zip(groups, own, strict=True)]
+    before: Counter[str] = Counter()
+    names = []
+    for name in own:
+        before[name] += 1
+        names.append(f"{name} {before[name]}" if name in twice else name)
+    return names
+
+
+def _groups(row: Sequence[str], width: int) -> list[str]:
+    """The word over each of so many columns, if it stands over several, at the first or at each; else none."""
+    words = [cell.strip() for cell in row[:width]] + [""] * (width - len(row))
+    over: list[str] = []
+    for word in words:
+        over.append(word or (over[-1] if over else ""))
+    named = [word for word in words if word]
+    several = len(set(over) - {""}) > 1 and max(Counter(filter(None, over)).values()) > 1
+    return over if several and all(number(word) is None for word in named) else []
+
+
+def refuse_nameless(row: Sequence[str], path: Path) -> None:
+    """Refuse a row of numbers where names of columns belong."""
+    words = [cell.strip() for cell in row if cell.strip()]
+    if len(words) > 1 and all(number(word) is not None for word in words):
+        raise InputError(
+            f"{path}: row 1: has numbers where names of columns belong. Write a line of names above it, one "
+            f"for each of its {len(row)} columns, and say in `columns` which are which (docs/your-csv.md). Has it a "
+            f"row for each animal and frame (ToxTrac)? {OF_SEVERAL}"
+        )
 
 
 def likely_header(rows: Rows) -> int:
@@ -28,6 +73,8 @@ def likely_header(rows: Rows) -> int:
     begin = first
     while begin and _named(rows[begin - 1]) and len(rows[begin - 1]) == len(rows[first]):
         begin -= 1
+    while begin + 1 < first and _groups(rows[begin], len(rows[begin + 1])):
+        begin += 1
     return begin if begin < first else 0
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.errors import InputError
-from serpenoid.measure.cells import Rows, block, increasing_times, whole_points
+from serpenoid.measure.cells import Floats, Rows, block, increasing_times, whole_points
 from serpenoid.measure.tracks import LENGTHS, METRES, Tracks, floor_plane
 
 Triples = dict[str, tuple[int, int, int]]  # marker -> its X, Y, Z columns
@@ -62,10 +62,20 @@ def in_space(
     for column, name in counted:
         times = increasing_times(data[:, 0], first, column, path, name)
     positions = data[:, len(counted) :].reshape(len(data), len(markers), 3) * unit_m
-    positions[(positions == 0).all(axis=2)] = np.nan
-    positions = whole_points(positions, first, [triple[0] for triple in markers.values()], list(markers), path)
+    seen = without_zeros(positions)
+    whole_points(seen, first, [triple[0] for triple in markers.values()], list(markers), path)
+    return as_markers(path, times / rate, list(markers), seen, up_axis)
+
+
+def without_zeros(positions: Floats) -> Floats:
+    """Positions (F, M, 3) with those at exactly 0, 0, 0 hidden."""
+    return np.where((positions == 0).all(axis=2, keepdims=True), np.nan, positions)
+
+
+def as_markers(path: Path, times: Floats, names: Sequence[str], positions: Floats, up_axis: str) -> Tracks:
+    """Markers in space (F, M, 3) [m] as tracks."""
     floor = floor_plane(positions, up_axis)
-    return Tracks(times / rate, tuple(markers), floor, str(path), unlabelled(list(markers)), space=positions)
+    return Tracks(times, tuple(names), floor, str(path), unlabelled(names), space=positions)
 
 
 def fact(facts: Mapping[str, str], key: str, path: Path) -> float:

@@ -100,9 +100,12 @@ def _long(header: Sequence[str], x: str, y: str) -> str:
     clock = frame or next((name for name in others if CLOCK.search(name)), "t")
     role = "frame" if frame else "time"
     more = (
-        "points are numbered or named along the body" if point else "a column has to say which point of the body it is"
+        "points are numbered or named along the body"
+        if point
+        else "no column says which point of the body a row is: rows of a frame must follow each other along it"
     )
+    which = f'point = "{point}", ' if point else ""
     return (
         f'Has it a row for each frame and point? Then `format = "long"`, `columns = {{ {role} = "{clock}", '
-        f'point = "{point or "id"}", x = "{x}", y = "{y}" }}` and `length_unit` in [motion]; {more} (docs/your-csv.md).'
+        f'{which}x = "{x}", y = "{y}" }}` and `length_unit` in [motion]; {more} (docs/your-csv.md).'
     )

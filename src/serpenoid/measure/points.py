@@ -24,7 +24,7 @@ from serpenoid.measure.cells import (
 )
 from serpenoid.measure.child import read_in_child
 from serpenoid.measure.columns import SECONDS, find_column, refuse_other_unit
-from serpenoid.measure.header import first_row, header_row, width_of
+from serpenoid.measure.header import first_row, header_row, names_of, refuse_nameless, width_of
 from serpenoid.measure.individuals import chosen
 from serpenoid.measure.mocap import metres, unlabelled
 from serpenoid.measure.point_order import along_body
@@ -47,32 +47,35 @@ def read_long(
     individual: str | None = None,
 ) -> Tracks:
     """One row per frame and point (and individual). `columns` maps time, frame, point, x, y, individual to the file's
-    own names (time or frame). Points are numbers, or names (`point_order`)."""
+    own names (time or frame). Points are numbers, or names (`point_order`); without a column of these, rows of a frame
+    are its points in order, as many in each."""
     path = Path(path)
     rows = read_rows(path)
     at = header_row(rows, lambda row: set(columns.values()) <= set(row))
-    header = [cell.strip() for cell in rows[at]]
+    header = names_of(rows, at)
+    refuse_nameless(rows[at], path)
     found = {role: find_column(header, name, role, path, OTHER_NAMES) for role, name in columns.items()}
     clock = "time" if "time" in columns else "frame"
     if clock == "frame" and not frames_per_second:
         raise no_time(path, "has no time column")
-    roles = [clock, "point", "x", "y"]
+    roles = [clock, "point", "x", "y"] if "point" in columns else [clock, "x", "y"]
     refuse_other_unit([columns[clock]], time_unit, SECONDS if clock == "time" else (), "time_unit", path)
     refuse_other_unit([columns["x"], columns["y"]], length_unit, METRES, "length_unit", path)
     where = [found[role] for role in roles]
     units = {found[role]: ("length_unit", length_unit) for role in "xy"}
     units |= {} if clock == "frame" else {found[clock]: ("time_unit", time_unit)}
     first = first_row(rows, at, [found[role] for role in (clock, "x", "y")], units, path)
-    called = _numbered(rows[first:], found["point"])
+    called = _numbered(rows[first:], found["point"]) if "point" in found else []
     data = block(rows, first, where, [columns[role] for role in roles], path, width_of(rows, first, header, where))
-    _refuse_empty(data[:, :2], first, where, roles, columns, path)
-    whole_points(data[:, None, 2:], first, where[2:3], [columns["x"]], path)
+    _refuse_empty(data[:, :-2], first, where, roles, columns, path)
+    whole_points(data[:, None, -2:], first, where[-2:-1], [columns["x"]], path)
     if clock == "frame":
         whole_frames(data[:, 0], first, where[0], path, columns[clock])
     own = _own(rows[first:], found.get("individual"), individual, path)
     data = data[own]
     stamps, frame = np.unique(data[:, 0], return_inverse=True)
-    points, slot = np.unique(data[:, 1], return_inverse=True)
+    which = data[:, 1] if "point" in columns else _in_turn(stamps, frame, path)
+    points, slot = np.unique(which, return_inverse=True)
     taken, again = np.unique(frame * len(points) + slot, return_index=True)
     if len(taken) != len(data):
         row = int(own[np.setdiff1d(np.arange(len(data)), again)[0]])
@@ -82,11 +85,11 @@ def read_long(
         )
     if len(stamps) * len(points) > MOST_CELLS:
         raise InputError(
-            f"{path}: {counted(len(stamps), 'time')} of {counted(len(points), 'point')}: is `{columns['point']}` their "
-            "number?"
+            f"{path}: {counted(len(stamps), 'time')} of {counted(len(points), 'point')}: is "
+            f"`{columns.get('point', columns[clock])}` their number?"
         )
     floor = np.full((len(stamps), len(points), 2), np.nan)
-    floor[frame, slot] = upright(data[:, 2:], length_unit)
+    floor[frame, slot] = upright(data[:, -2:], length_unit)
     times = stamps * SECONDS[time_unit] if clock == "time" else stamps / float(frames_per_second or 1)
     if not called:
         return _tracks(times, [f"point_{k:g}" for k in points], floor, length_unit, path)
@@ -95,6 +98,23 @@ def read_long(
     along = order or list(range(len(names)))
     tracks = _tracks(times, [names[k] for k in along], floor[:, along], length_unit, path)
     return replace(tracks, in_order=order is not None)
+
+
+def _in_turn(stamps: Floats, frame: NDArray[np.int64], path: Path) -> Floats:
+    """Numbers of points (R,), from 1, of rows that follow each other within their frame. Raises InputError where frames
+    have not as many each."""
+    counts = np.bincount(frame)
+    usual = int(np.median(counts))
+    odd = np.flatnonzero(counts != usual)
+    if len(odd):
+        raise InputError(
+            f"{path}: has {counted(int(counts[odd[0]]), 'row')} of {stamps[odd[0]]:g}, and {usual} of most: which "
+            "point is which? Name a column that says so, `point` in `columns`; or leave out frames that lack a point."
+        )
+    order = np.argsort(frame, kind="stable")
+    turn = np.empty(len(frame))
+    turn[order] = np.tile(np.arange(1.0, usual + 1), len(stamps))
+    return turn
 
 
 def _numbered(rows: Rows, column: int) -> list[str]:

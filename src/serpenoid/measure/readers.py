@@ -19,6 +19,7 @@ from serpenoid.measure.motive import read_motive
 from serpenoid.measure.movement import read_movement
 from serpenoid.measure.points import read_c3d, read_long, read_sleap
 from serpenoid.measure.qualisys import read_qualisys
+from serpenoid.measure.sleap_project import is_project, read_sleap_project
 from serpenoid.measure.tidy import read_tidy
 from serpenoid.measure.trackers import (
     Timing,
@@ -26,6 +27,7 @@ from serpenoid.measure.trackers import (
     read_sleap_analysis,
     read_tierpsy,
 )
+from serpenoid.measure.trackmate import read_trackmate
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trc import read_trc
 from serpenoid.measure.trex import read_trex
@@ -47,6 +49,7 @@ MotionFormat = Literal[
     "sleap",
     "movement",
     "tierpsy",
+    "trackmate",
     "trex",
     "wcon",
     "array",
@@ -72,7 +75,7 @@ def _timed(read: Callable[[Path, Timing], Tracks]) -> Reader:
 
 def _sleap(path: Path, keys: MotionKeys) -> Tracks:
     if is_hdf5(path):
-        return _timed(read_sleap_analysis)(path, keys)
+        return _timed(read_sleap_project if is_project(path) else read_sleap_analysis)(path, keys)
     return read_sleap(
         path, keys.frames_per_second, keys.length_unit or "px", keys.minimum_score or 0.0, keys.individual
     )
@@ -82,8 +85,11 @@ def _long(path: Path, keys: MotionKeys) -> Tracks:
     if keys.columns is None or keys.length_unit is None:
         raise InputError(f'{path}: `format = "long"` needs `columns` and `length_unit` in [motion]. {LONG}')
     columns = {role: name for role, name in keys.columns if isinstance(name, str)}
-    if not {"point", "x", "y"} <= set(columns) or not {"time", "frame"} & set(columns):
-        raise InputError(f"{path}: `columns` needs point, x, y and time or frame for a long file, a name for each.")
+    if not {"x", "y"} <= set(columns) or not {"time", "frame"} & set(columns):
+        raise InputError(
+            f"{path}: `columns` needs x, y and time or frame for a long file, a name for each, and `point` where a "
+            "column says which point a row is of."
+        )
     return read_long(path, columns, keys.length_unit, keys.frames_per_second, keys.time_unit or "s", keys.individual)
 
 
@@ -127,6 +133,7 @@ READERS: dict[str, Format] = {
     "sleap": Format(_sleap, animals=True, named=True, unit="px"),
     "movement": Format(_timed(read_movement), animals=True, named=True, unit="px"),
     "tierpsy": Format(_timed(read_tierpsy), animals=True),
+    "trackmate": Format(_timed(read_trackmate), animals=True, named=True),
     "trex": Format(_timed(read_trex), animals=True),
     "wcon": Format(_timed(read_wcon), animals=True),
     "array": Format(_timed(read_array)),

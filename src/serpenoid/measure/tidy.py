@@ -8,7 +8,18 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.errors import InputError
-from serpenoid.measure.cells import block, increasing_times, place, read_rows, whole_frames, whole_points
+from serpenoid.files.inputs import number
+from serpenoid.measure.cells import (
+    Floats,
+    Rows,
+    block,
+    increasing_times,
+    missing,
+    place,
+    read_rows,
+    whole_frames,
+    whole_points,
+)
 from serpenoid.measure.columns import (
     IN_BRACKETS,
     SECONDS,
@@ -21,9 +32,11 @@ from serpenoid.measure.columns import (
     refuse_other_unit,
     shown,
 )
-from serpenoid.measure.header import first_row, header_row, likely_header, width_of
+from serpenoid.measure.header import first_row, header_row, likely_header, names_of, refuse_nameless, width_of
 from serpenoid.measure.own_names import FIRST_CELLS, advice
 from serpenoid.measure.tracks import METRES, Tracks, in_places, no_time, upright
+
+SAME_TIME = 1e-4  # relatively: Tracker writes times with five digits
 
 
 def read_tidy(
@@ -46,7 +59,8 @@ def read_tidy(
         if columns is None
         else header_row(rows, lambda row: has_columns(row, columns))
     )
-    header = [cell.strip() for cell in rows[at]]
+    header = names_of(rows, at)
+    refuse_nameless(rows[at], path)
     clock, points, stems = (
         (0, _tidy_points(header, path, at), ()) if columns is None else _own_places(header, columns, path)
     )
@@ -66,11 +80,28 @@ def read_tidy(
         times = increasing_times(data[:, 0], first, clock, path, header[clock])
         if counts:
             whole_frames(times, first, clock, path, header[clock])
+        _refuse_other_clocks(rows, at, first, clock, times, path)
     times = times * (1 / float(frames_per_second or 1) if counts else SECONDS[time_unit])
     floor = whole_points(data[:, len(clocks) :].reshape(len(data), -1, 2), first, points[::2], called[::2], path)
     names = in_places(floor.shape[1]) if columns is None else stems or _stems(called[::2], called[1::2])
     floor = upright(floor, length_unit) * METRES[length_unit]
     return Tracks(times, names, floor, str(path), (False,) * len(names), length_unit != "px")
+
+
+def _refuse_other_clocks(rows: Rows, at: int, first: int, clock: int, times: Floats, path: Path) -> None:
+    """Refuse tables beside one another, each with a clock of its own, whose rows are not of the same times."""
+    own = [cell.strip() for cell in rows[at]]
+    header = names_of(rows, at)
+    for column in (c for c, name in enumerate(own) if c != clock and name == own[clock]):
+        for k, row in enumerate(rows[first:]):
+            cell = row[column].strip() if column < len(row) else ""
+            value = None if missing(cell) else number(cell)
+            if value is not None and abs(value - times[k]) > SAME_TIME * max(1.0, abs(times[k])):
+                raise InputError(
+                    f"{place(path, first + k, column, header[column])}: is {value:g} where `{header[clock]}` is "
+                    f"{times[k]:g}: these tables have not the same times in their rows. Export them for the same "
+                    "frames, with empty cells where a point is not marked."
+                )
 
 
 def _stems(across: list[str], up: list[str]) -> tuple[str, ...]:

@@ -131,16 +131,17 @@ def as_image(path: Path, frames: Floats, names: Sequence[str], floor: Floats, ti
     if not timing.frames_per_second:
         raise no_time(path, "carries no time")
     unit = timing.length_unit or "px"
-    return _tracks(path, frames / timing.frames_per_second, names, floor * DOWN, unit)
+    return as_named(path, frames / timing.frames_per_second, names, floor * DOWN, unit)
 
 
 def as_tracks(path: Path, times: Floats, floor: Floats, unit: str, first: End | None = None) -> Tracks:
     """Points in the order of the file (F, N, 2), in `unit`, as Tracks; first: which end it says its first point is."""
-    found = _tracks(path, times, [f"point_{k}" for k in range(floor.shape[1])], floor, unit)
+    found = as_named(path, times, [f"point_{k}" for k in range(floor.shape[1])], floor, unit)
     return replace(found, first_point=first)
 
 
-def _tracks(path: Path, times: Floats, names: Sequence[str], floor: Floats, unit: str) -> Tracks:
+def as_named(path: Path, times: Floats, names: Sequence[str], floor: Floats, unit: str) -> Tracks:
+    """Named points (F, N, 2) in `unit`, y up, as Tracks. Raises InputError where times (F,) do not increase."""
     if times.shape != (len(floor),):
         raise InputError(
             f"{path}: has {counted(times.size, 'time')} for {counted(len(floor), 'frame')} of {floor.shape[1]} points."

@@ -25,6 +25,11 @@ LENGTHS = {name: unit for unit, names in {
     "um": ("\u00b5m", "\u03bcm", "micron", "micrometre", "micrometer"), "px": ("pixel",),
 }.items() for name in (unit, *names, *(f"{long}s" for long in names))}  # fmt: skip
 
+SECONDS = {name: seconds for seconds, names in {
+    1.0: ("s", "sec", "second", "seconds"), 1e-3: ("ms", "msec", "millisecond", "milliseconds"),
+    60.0: ("min", "minute", "minutes"), 3600.0: ("h", "hour", "hours"),
+}.items() for name in names}  # fmt: skip
+
 
 class NoTime(InputError):
     """A track file that does not say when its frames were taken."""

@@ -19,13 +19,9 @@ from serpenoid.files.inputs import RECORDING_BYTES, read_text
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.individuals import chosen
 from serpenoid.measure.trackers import Timing, as_tracks
-from serpenoid.measure.tracks import LENGTHS, End, Tracks
+from serpenoid.measure.tracks import LENGTHS, SECONDS, End, Tracks
 
 FIRST: dict[str, End] = {"L": "head", "R": "tail"}  # which end of the body the first point is, by the head's side
-SECONDS = {name: seconds for seconds, names in {
-    1.0: ("s", "sec", "second", "seconds"), 1e-3: ("ms", "millisecond", "milliseconds"),
-    60.0: ("min", "minute", "minutes"), 3600.0: ("h", "hour", "hours"),
-}.items() for name in names}  # fmt: skip
 
 
 def read_wcon(path: str | Path, timing: Timing) -> Tracks:

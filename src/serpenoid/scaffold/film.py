@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
 import json
+import shlex
 import shutil
 from pathlib import Path
 from typing import Any, get_args
@@ -15,7 +17,7 @@ from serpenoid.measure.columns import TimeUnit
 from serpenoid.measure.readers import READERS
 from serpenoid.measure.tracks import NoTime, Tracks
 from serpenoid.measure.trial_files import check_frames
-from serpenoid.scaffold.questions import Answers, Question, existing, named, one_of, or_empty
+from serpenoid.scaffold.questions import Answers, Question, existing, named, one_of, or_empty, words
 
 FILM = Question("film", "Track file of an animal, the first trial (empty: a robot)", "", existing)
 OF_A_FILM = (
@@ -48,6 +50,14 @@ OF_A_FILM = (
         named,
         only="film",
     ),
+    Question(
+        "markers",
+        "Points of the body from tail to head, where the film has them in another order, as tail,center,nose; "
+        "others are left out (empty: all, as the film has them)",
+        "",
+        words,
+        only="film",
+    ),
     Question("individual", "Whose points, where the film shows several animals (empty: there is one)", "", str,
              only="film"),
 )  # fmt: skip
@@ -71,13 +81,17 @@ def campaign_of(answers: Answers, folder: Path) -> list[str]:
     except InputError as error:
         raise InputError(f"{error}{_options(str(error))}") from None
     points = [n for n, fragment in zip(tracks.names, tracks.unlabelled, strict=True) if not fragment]
+    if answers["markers"]:
+        points = _in_order(answers["markers"], points, answers["first-point"])
+        said |= {"markers": points}
+    else:
+        _refuse_end_inside(points)
+        if tracks.first_point is None:
+            _refuse_other_end(points, answers["first-point"])
+            said |= {"first_point": answers["first-point"]}
+        if READERS[answers["format"]].named:
+            said |= {"markers": points[::-1] if said.pop("first_point", tracks.first_point) == "head" else points}
     body = validate(Body, {"kind": answers["kind"], "vertices": len(points)}, str(film))
-    _refuse_end_inside(points)
-    if tracks.first_point is None:
-        _refuse_other_end(points, answers["first-point"])
-        said |= {"first_point": answers["first-point"]}
-    if READERS[answers["format"]].named:
-        said |= {"markers": points[::-1] if said.pop("first_point", tracks.first_point) == "head" else points}
     trial = {"name": name, "motion": f"{name}/{film.name}"}
     if answers["individual"]:
         trial |= {"individual": answers["individual"]}
@@ -105,9 +119,31 @@ COMMENTS = {
 }
 
 
+def _in_order(wanted: tuple[str, ...], there: list[str], first_point: str) -> list[str]:
+    """Points as they were asked for, tail first; InputError where the film has them not, or names say the contrary."""
+    strange = next((name for name in wanted if name not in there), None)
+    if strange is not None:
+        close = difflib.get_close_matches(strange, there, n=1)
+        hint = f" Did you mean `{close[0]}`?" if close else ""
+        raise InputError(f"--markers: the film has no point `{strange}`; it has {', '.join(there)}.{hint}")
+    ends = [_ends_of(name) for name in (wanted[0], wanted[-1])]
+    if first_point == "head" or ends == [{"head"}, {"tail"}]:
+        turned = ",".join(wanted[::-1])
+        why = "begins with the head" if ends == [{"head"}, {"tail"}] else "with --first-point head beside it"
+        raise InputError(
+            f"--markers: is from tail to head, and {why}, got {','.join(wanted)}. Give --markers {turned}."
+        )
+    return list(wanted)
+
+
+def _ends_of(name: str) -> set[str]:
+    """Which end of the body a point's name says that it is."""
+    return {end for end, words in ENDS.items() if any(word in name.casefold() for word in words)}
+
+
 def _refuse_other_end(points: list[str], said: str) -> None:
     """Names of both end points may say where the head is."""
-    ends = [{end for end, words in ENDS.items() if any(word in name.casefold() for word in words)} for name in points]
+    ends = [_ends_of(name) for name in points]
     if ends and (ends[0], ends[-1]) == ({OTHER[said]}, {said}):
         raise InputError(
             f"--first-point: not the {said}, as the first point of the film is `{points[0]}` and the last "
@@ -117,12 +153,14 @@ def _refuse_other_end(points: list[str], said: str) -> None:
 
 def _refuse_end_inside(points: list[str]) -> None:
     """Where a name says that a point is an end of the body, and it stands between others, they are not in order."""
-    said = [{end for end, words in ENDS.items() if any(word in name.casefold() for word in words)} for name in points]
+    said = [_ends_of(name) for name in points]
     for name, ends in zip(points[1:-1], said[1:-1], strict=True):
         if len(ends) == 1 and not any(end in outer for outer in (said[0], said[-1]) for end in ends):
+            tails, heads = ([p for p, e in zip(points, said, strict=True) if e == {end}] for end in ("tail", "head"))
+            along = [*tails, *(p for p in points if p not in tails + heads), *heads]
             raise InputError(
-                f"--film: has `{name}` between other points, in the order {', '.join(points)}. Put its columns in the "
-                "order of the body, or write a campaign.toml that names them so (docs/your-csv.md)."
+                f"--film: has `{name}` between other points, in the order {', '.join(points)}. Say their order from "
+                f"tail to head, perhaps --markers {shlex.quote(','.join(along))}."
             )
 
 

@@ -9,36 +9,39 @@ from typing import Any
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import read_rows
 from serpenoid.measure.hdf5_files import hdf5, inside, is_hdf5
-from serpenoid.measure.matlab import OF_IDTRACKER, TRAJECTORIES
+from serpenoid.measure.matlab import OF_IDTRACKER, TRAJECTORIES, read_mat
 from serpenoid.measure.own_names import FIRST_CELLS
 from serpenoid.measure.pandas_table import is_pandas
 
-BY_SUFFIX = {".c3d": "c3d", ".mat": "array", ".npy": "array", ".trc": "trc", ".wcon": "wcon", ".json": "wcon"}
+BY_SUFFIX = {".c3d": "c3d", ".npy": "array", ".trc": "trc", ".wcon": "wcon", ".json": "wcon", ".xml": "trackmate"}
+PACKED = (".gz", ".zip")
 BY_CELL = (("frame_idx", "sleap"), ("poseX0", "trex"), ("point", "long"), ("bodypart", "long"))  # of a header
-BY_GROUP = (("node_names", "sleap"), ("coordinates", "tierpsy"), ("keypoints", "movement"))  # of HDF5
+BY_GROUP = (
+    ("node_names", "sleap"),
+    ("coordinates", "tierpsy"),
+    ("keypoints", "movement"),
+    ("instances", "sleap"),
+)  # of HDF5
 UNREAD = {
     TRAJECTORIES: OF_IDTRACKER,
-    "pred_points": "It is a project of SLEAP: export its analysis HDF5.",
     "skeleton": "Of Tierpsy its file of features is read.",
 }  # of HDF5
 POSTURE = re.compile(rb"midline_points|poseX0")
 
 
-def format_of(film: Path) -> str | None:
-    """A name of `READERS`; None where neither name nor content of the film tells. Raises InputError of an HDF5 file
-    that is broken, or that no reader is for."""
-    end = film.suffix.lower()
+def format_of(film: Path) -> str:
+    """A name of `READERS`. Raises InputError of a film that is broken, or that no reader is for."""
+    end = next((end for end in reversed(film.suffixes) if end.lower() not in PACKED), "").lower()
     if end in BY_SUFFIX:
         return BY_SUFFIX[end]
+    if end == ".mat":
+        return "qualisys" if any("Trajectories" in said for said in read_mat(film)[1]) else "array"
     if end == ".npz":
         return "trex" if POSTURE.search(film.read_bytes()) else "array"
     if is_hdf5(film):
         with hdf5(film) as file:
             return _of_groups(file, film)
-    try:
-        return _of_table(film)
-    except InputError:
-        return None
+    return _of_table(film)
 
 
 def _of_groups(file: Any, film: Path) -> str:

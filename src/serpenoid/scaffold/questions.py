@@ -141,6 +141,17 @@ def named(text: str) -> dict[str, str]:
     return {name.strip(): word.strip() for name, _, word in pairs}
 
 
+def words(text: str) -> tuple[str, ...]:
+    """Words with commas between, each once; empty for none."""
+    found = tuple(part.strip() for part in text.split(",")) if text else ()
+    if not all(found):
+        raise ValueError("needs words with commas between")
+    twice = next((word for word in found if found.count(word) > 1), None)
+    if twice is not None:
+        raise ValueError(f"has `{twice}` twice")
+    return found
+
+
 def existing(text: str) -> Path | None:
     """A file that is there; empty for none."""
     path = Path(text) if text else None
