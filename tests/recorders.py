@@ -25,7 +25,8 @@ def ethovision(
     path: Path, time: np.ndarray, points: np.ndarray, names: Sequence[str], order: Sequence[int], unit: str = "mm"
 ) -> None:
     """Raw data of one track as Excel: facts, names of columns, units, a row for each sample; `-` is not found."""
-    openpyxl = __import__("openpyxl")
+    import openpyxl
+
     book = openpyxl.Workbook()
     sheet = book.active
     sheet.title = "Track-Arena 1-Subject 1"
@@ -117,7 +118,7 @@ def qtm_mat(path: Path, time: np.ndarray, points: np.ndarray, names: Sequence[st
     from scipy.io import savemat
 
     frames, count = points.shape[:2]
-    data = np.concatenate([points, np.full((frames, count, 1), 5.0), np.full((frames, count, 1), 0.1)], axis=2)
+    data = np.concatenate([points, 0 * points[..., :1] + 5.0, 0 * points[..., :1] + 0.1], axis=2)
     labels = np.empty((1, count), dtype=object)
     labels[0, :] = list(names)
     labelled = {"Count": float(count), "Labels": labels, "Data": data.transpose(1, 2, 0)}

@@ -527,7 +527,7 @@ def test_films_of_an_animal_become_a_campaign_by_two_commands(worm: Path, capsys
         ("t.csv", "Time (s),M1_x,M1_y\n0,1,2\n", "tidy"),
         ("q.tsv", "NO_OF_FRAMES\t3\n", "qualisys"),
         ("w.wcon", "{}", "wcon"),
-        ("e.csv", "", None),
+        ("t.xml", "<Tracks/>", "trackmate"),
     ],
 )
 def test_a_film_says_its_format_by_what_it_begins_like(worm: Path, name: str, text: str | None, kind) -> None:

@@ -33,12 +33,19 @@ SHEETS = ("[Content_Types].xml", "mimetype")  # what archives hold that are spre
 BESIDE = re.compile(r"(.*/)?(__MACOSX/.*|\..*|.*/)")  # what archives hold beside their files
 SPREADSHEET = "a spreadsheet (xlsx, ods) or another zip archive"
 MOST_NAMED = 4
+PICTURES = "a video or a picture. Track points along the body in it first, and name the table of these"
+FTYP = slice(4, 8)  # where MP4 and QuickTime have that word
 NO_TEXT = {
     ZIP: f"{SPREADSHEET}. Save the sheet as CSV in UTF-8, or unpack it",
     b"\xd0\xcf\x11\xe0": "an old spreadsheet (xls), or one with a password. Save the sheet as CSV in UTF-8",
     b"MATLAB ": 'one of MATLAB\'s: is `format = "array"` meant?',
     b"\x02P": 'a C3D file: is `format = "c3d"` meant?',
     b"<?xml": 'one of XML: of TrackMate, `format = "trackmate"`. Of others export a table of points as CSV',
+    b"PAR1": "a table of Parquet. Save it as CSV",
+    b"ARROW1": "a table of Feather. Save it as CSV",
+    b"SQLite format 3": "a database of SQLite. Export its table as CSV",
+    **dict.fromkeys((b"\x80\x04", b"\x80\x05"), "a pickle of Python. Save a table as CSV, or an array with np.savez"),
+    **dict.fromkeys((b"RIFF", b"\x1aE\xdf\xa3", b"II*\0", b"MM\0*", b"\x89PNG", b"GIF8"), PICTURES),
     b"\x89HDF": "an HDF5 file. Is `format` that of another program, or the file to be exported as CSV?",
 }  # what files begin with that are often taken for text
 DECIMAL_COMMA = re.compile(r"\s*[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?\s*", re.ASCII)
@@ -88,9 +95,10 @@ def read_unpacked(path: str | Path, most: int = SETTINGS_BYTES) -> bytes:
 def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
     """UTF-8 text, with or without a byte-order mark, UTF-16 with one, or such text packed by gzip or zip."""
     data = read_unpacked(path, most)
-    for begin, what in NO_TEXT.items():
-        if data.startswith(begin):
-            raise InputError(f"{path}: not a text file but {what}{'' if what.endswith('?') else '.'}")
+    what = next((words for begin, words in NO_TEXT.items() if data.startswith(begin)), None)
+    if what is not None or data[FTYP] == b"ftyp":
+        what = what or PICTURES
+        raise InputError(f"{path}: not a text file but {what}{'' if what.endswith('?') else '.'}")
     wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
         text = data.decode("utf-16" if wide else "utf-8-sig")
@@ -101,6 +109,17 @@ def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
     if "\0" in text:
         raise InputError(f"{path}: not a text file (a zero byte at character {text.index(chr(0))}).")
     return text.replace("\r\r\n", "\n")  # of a program that ends lines itself, in a file that ends them once more
+
+
+def begins(path: str | Path, mark: bytes) -> bool:
+    """Whether a regular file begins with these bytes; not, where it cannot be read."""
+    try:
+        if not Path(path).is_file():
+            return False
+        with open(path, "rb") as stream:
+            return stream.read(len(mark)) == mark
+    except (OSError, ValueError):
+        return False
 
 
 def first_line(path: Path) -> str:

@@ -20,6 +20,7 @@ from serpenoid.files.inputs import (
     SHEETS,
     SPREADSHEET,
     ZIP,
+    begins,
     read_bytes,
     read_text,
 )
@@ -35,8 +36,7 @@ MOST_CELLS = 50_000_000
 def table_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
     """A table's file as text: of a workbook its sheet's rows, commas between cells and a line's end behind each; else
     the text itself. Raises InputError where there is no such thing, or more than `most` bytes of it."""
-    data = _beginning(path)
-    if not data.startswith(ZIP):
+    if not begins(path, ZIP):
         return read_text(path, most)
     data = read_bytes(path, most)
     if not _is_book(data, path, most):
@@ -53,16 +53,6 @@ def table_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
         raise
     except BROKEN as error:
         raise InputError(f"{path}: not a readable Excel workbook ({str(error)[:100]}). {AS_CSV}") from None
-
-
-def _beginning(path: str | Path) -> bytes:
-    try:
-        if not Path(path).is_file():
-            return b""
-        with open(path, "rb") as stream:
-            return stream.read(len(ZIP))
-    except (OSError, ValueError):
-        return b""  # whoever reads it says why
 
 
 def _is_book(data: bytes, path: str | Path, most: int) -> bool:

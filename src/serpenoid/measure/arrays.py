@@ -18,10 +18,12 @@ from serpenoid.measure.tracks import Tracks, no_time, upright
 
 AXES = 3
 LEAST = 4  # frames and points, from which they can be told apart
+BY_MATLAB = b"MATLAB "  # what its files begin with, whatever they are called
 UNLIKE = 4.0  # times as much do distances vary that are no edges of a body
 KEPT = ", whose distances stay the same from frame to frame far better if frames are points"
 STRUCTURE = re.compile(r"`(.*)` \(struct: (.*)\)")
 CELL = re.compile(r"`(.*)` \(cell of .*\)")
+ARRAY = re.compile(r"`(\w+)` \((\d+(?:, \d+)*)\)")
 COMPLEX = re.compile(r"`(.*)` \(complex, .*\)")
 
 
@@ -29,7 +31,7 @@ def read_array(path: str | Path, timing: Timing) -> Tracks:
     """An .npz or .mat with `points` (F, N, 2), or `x` and `y` (F, N); `t_s` (F,), or `frame` and a frame rate; an .npy
     with points alone."""
     path = Path(path)
-    by_matlab = path.suffix.lower() == ".mat"
+    by_matlab = path.suffix.lower() == ".mat" or read_bytes(path, RECORDING_BYTES).startswith(BY_MATLAB)
     arrays, others = read_mat(path) if by_matlab else (read_npz(path), [])
     points, apart = arrays.get("points"), "points" not in arrays
     if apart and {"x", "y"} <= set(arrays) and arrays["x"].shape == arrays["y"].shape:
@@ -37,7 +39,11 @@ def read_array(path: str | Path, timing: Timing) -> Tracks:
     clock = next((arrays[name].ravel() for name in ("t_s", "frame") if name in arrays), None)
     if points is None or points.ndim != AXES or points.shape[2] != 2:
         there = [f"`{name}` {_shape(array)}" for name, array in arrays.items()] + others
-        cure = "" if points is None else _cure(points.shape, None if clock is None else clock.size, by_matlab)
+        cure = (
+            _renamed(there, path, by_matlab)
+            if points is None
+            else _cure(points.shape, None if clock is None else clock.size, by_matlab)
+        )
         group = f" {OF_IDTRACKER}" if any(TRAJECTORIES in said for said in there) else ""
         raise InputError(
             f"{path}: needs `points` (F, N, 2), or `x` and `y` (F, N), of F frames and N points; it has "
@@ -102,6 +108,21 @@ def _cure(shape: tuple[int, ...], frames: int | None, by_matlab: bool) -> str:
     if shape[second] == frames or (frames is None and shape[second] > shape[first]):
         first, second = second, first
     return f" Save `{_permuted((first, second, axes[0]), by_matlab)}`."
+
+
+def _renamed(there: Sequence[str], path: Path, by_matlab: bool) -> str:
+    """How the one array that may be points becomes `points`, where that can be told."""
+    found = [(named[1], tuple(map(int, named[2].split(", ")))) for said in there if (named := ARRAY.fullmatch(said))]
+    likely = [(name, shape) for name, shape in found if len(shape) == AXES and sum(n == 2 for n in shape) == 1]
+    if len(likely) != 1:
+        return ""
+    name, shape = likely[0]
+    pair = shape.index(2)
+    fewer, more = sorted((axis for axis in range(AXES) if axis != pair), key=lambda axis: shape[axis])
+    axes = _permuted((more, fewer, pair), by_matlab).replace("points", name)
+    if by_matlab:
+        return f" Is that `{name}`? In MATLAB `points = {axes}; {_saved(path, ('points', 't_s'))}`."
+    return f" Is that `{name}`? Save `points={axes}`."
 
 
 def _permuted(order: tuple[int, ...], by_matlab: bool) -> str:

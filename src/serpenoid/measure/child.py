@@ -111,10 +111,10 @@ def _qtm() -> Callable[[str], Arrays]:
         takes = [take for value in held for take in value.ravel() if "Trajectories" in (value.dtype.names or ())]
         if len(takes) != 1:
             raise ValueError(f"holds {len(takes)} structures with `Trajectories`, where one is read")
-        trajectories = takes[0]["Trajectories"][0, 0]
-        if "Labeled" not in trajectories.dtype.names or not trajectories["Labeled"].size:
+        trajectories = takes[0]["Trajectories"].ravel()[0]
+        if "Labeled" not in (getattr(trajectories.dtype, "names", None) or ()) or not trajectories["Labeled"].size:
             raise ValueError("has no labelled trajectories: label the markers in QTM, and export it again")
-        labelled = trajectories["Labeled"][0, 0]
+        labelled = trajectories["Labeled"].ravel()[0]
         data = np.asarray(labelled["Data"], dtype=float)
         return {
             "labels": np.array([str(np.squeeze(label)) for label in labelled["Labels"].ravel()], dtype="U"),

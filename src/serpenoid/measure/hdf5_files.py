@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.errors import InputError
+from serpenoid.files.inputs import begins
 
 BROKEN = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError, MemoryError, OverflowError)
 MOST_NUMBERS = 100_000_000  # of one data set: an hour of a hundred points at 100 frames/s; packed files may say more
@@ -18,13 +19,7 @@ MOST_SHOWN = 8
 
 def is_hdf5(path: Path) -> bool:
     """Whether its name says so, or how it begins."""
-    if path.suffix.lower() in SUFFIXES:
-        return True
-    try:
-        with path.open("rb") as file:
-            return file.read(len(MAGIC)) == MAGIC
-    except OSError:
-        return False
+    return path.suffix.lower() in SUFFIXES or begins(path, MAGIC)
 
 
 @contextmanager

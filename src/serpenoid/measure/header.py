@@ -15,7 +15,6 @@ from serpenoid.errors import InputError
 from serpenoid.files.inputs import number
 from serpenoid.measure.cells import CURES, Rows, missing, place
 from serpenoid.measure.columns import SPELT
-from serpenoid.measure.matlab import OF_IDTRACKER as OF_SEVERAL
 from serpenoid.measure.tracks import LENGTHS
 
 HIGHEST = 200  # rows above a header, at most
@@ -62,8 +61,8 @@ def refuse_nameless(row: Sequence[str], path: Path) -> None:
     if len(words) > 1 and all(number(word) is not None for word in words):
         raise InputError(
             f"{path}: row 1: has numbers where names of columns belong. Write a line of names above it, one "
-            f"for each of its {len(row)} columns, and say in `columns` which are which (docs/your-csv.md). Has it a "
-            f"row for each animal and frame (ToxTrac)? {OF_SEVERAL}"
+            f"for each of its {len(row)} columns, and say in `columns` which are which (docs/your-csv.md). Of one "
+            "point for each animal, as ToxTrac writes it, none can be: it says where they are, and not how they bend."
         )
 
 

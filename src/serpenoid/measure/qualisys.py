@@ -13,7 +13,7 @@ import numpy as np
 
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import RECORDING_BYTES, number, read_bytes
-from serpenoid.measure.cells import missing, read_rows, whole_points
+from serpenoid.measure.cells import missing, read_rows
 from serpenoid.measure.child import read_in_child
 from serpenoid.measure.mocap import as_markers, fact, in_space, in_succession, refuse_fewer, without_zeros
 from serpenoid.measure.tracks import METRES, Tracks
@@ -65,7 +65,7 @@ def _of_matlab(path: Path, up_axis: str) -> Tracks:
     if not 0 < rate < 1e6:
         raise InputError(f"{path}: `FrameRate` must be a number of frames a second, got {rate:g}.")
     positions = without_zeros(data[:, :3].transpose(2, 0, 1) * METRES["mm"])
-    whole_points(positions, 0, range(len(names)), names, path)
+    positions = np.where(np.isfinite(positions).all(axis=2, keepdims=True), positions, np.nan)
     tracks = as_markers(path, np.arange(len(positions)) / rate, names, positions, up_axis)
     refuse_fewer(float(found["frames"]), len(tracks.time_s), path)
     return tracks
