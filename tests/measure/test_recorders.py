@@ -227,6 +227,8 @@ def test_rows_of_a_frame_are_its_points_where_no_column_says_which_they_are(tmp_
     lines = path.read_text().splitlines()
     path.write_text("\n".join(lines[:20] + lines[21:]) + "\n")
     assert "has 14 rows of 2, and 15 of most: which point is which?" in refusal(path, "long", **SLICES)
+    path.write_text("\n".join(lines[:1] + lines[1::15]) + "\n")
+    assert "most times have one row, which is one point of a body" in refusal(path, "long", **SLICES)
 
 
 def test_a_table_without_names_of_columns_is_told_so(tmp_path):
@@ -348,6 +350,16 @@ def test_text_of_other_files_is_their_own(tmp_path):
     for path in (tmp_path, tmp_path / "none.xlsx"):
         with pytest.raises(InputError, match="is a folder|no such file"):
             table_text(path)
+
+
+def test_text_in_two_bytes_a_letter_without_a_mark_is_told_so_and_a_mark_twice_is_none(tmp_path):
+    text = "t_s,x_0,y_0\n0,1,2\n0.05,1,2\n"
+    (tmp_path / "m.csv").write_bytes(text.encode("utf-16-le"))
+    assert "Is it text in UTF-16 or UTF-32? Save it as UTF-8" in refusal(tmp_path / "m.csv", "tidy")
+    (tmp_path / "m.csv").write_bytes(2 * b"\xef\xbb\xbf" + text.encode())
+    assert read(tmp_path / "m.csv").floor.tolist() == [[[1, 2]], [[1, 2]]]
+    (tmp_path / "m.csv").write_text(text.replace("x_0", "x" * 9000))
+    assert len(refusal(tmp_path / "m.csv", "tidy")) < 600
 
 
 @pytest.mark.slow

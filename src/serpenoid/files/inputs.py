@@ -107,8 +107,11 @@ def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
         cure = "" if b"\0" in data else f" Save it as UTF-8{sheet}."
         raise InputError(f"{path}: not a text file in UTF-8 ({error.reason} at byte {error.start}).{cure}") from None
     if "\0" in text:
-        raise InputError(f"{path}: not a text file (a zero byte at character {text.index(chr(0))}).")
-    return text.replace("\r\r\n", "\n")  # of a program that ends lines itself, in a file that ends them once more
+        cure = " Is it text in UTF-16 or UTF-32? Save it as UTF-8." if text.count("\0") >= len(text) // 3 else ""
+        raise InputError(f"{path}: not a text file (a zero byte at character {text.index(chr(0))}).{cure}")
+    return text.lstrip("\ufeff").replace(
+        "\r\r\n", "\n"
+    )  # of a program that ends lines itself, in a file that ends them once more
 
 
 def begins(path: str | Path, mark: bytes) -> bool:

@@ -22,6 +22,7 @@ RADIANS: dict[str, float] = {"rad": 1.0, "deg": pi / 180, "ticks": 2 * pi / TURN
 SECONDS: dict[str, float] = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 IN_BRACKETS = re.compile(r"[\[(]\s*([^\W\d]{1,3}|\N{DEGREE SIGN})\s*[\])]")
 SPELT = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "\N{DEGREE SIGN}": "deg"})
+LONGEST_SHOWN = 60  # characters of a name
 NUMBERED = "a list of names, or one with `*` where their numbers stand"
 
 
@@ -147,4 +148,4 @@ def refuse_other_unit(names: Sequence[str], unit: str, known: Collection[str], k
 
 def shown(header: Sequence[str]) -> str:
     """The first names of a header."""
-    return ", ".join(header[:6]) + (", ..." if len(header) > 6 else "")
+    return ", ".join(name[:LONGEST_SHOWN] for name in header[:6]) + (", ..." if len(header) > 6 else "")

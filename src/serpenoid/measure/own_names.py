@@ -18,6 +18,7 @@ FIRST_CELLS = {
     "Model Outputs": "vicon", "Joints": "vicon", "Segments": "vicon",
     "NO_OF_FRAMES": "qualisys", "FILE_VERSION": "qualisys", "PathFileType": "trc",
 }  # fmt: skip
+LONGEST = 200  # characters of a name that is said again
 UP = str.maketrans("xX", "yY")
 DIGITS = re.compile(r"[0-9]+")
 POINTS = [re.compile(word, re.IGNORECASE) for word in ("point", "track", "child|marker|part|node", r"\bt?id\b")]
@@ -29,7 +30,7 @@ def advice(header: list[str]) -> str:
     """The `columns` of [motion] for a file with this header."""
     if header[0] in FIRST_CELLS:
         return f'That is how another kind of file begins: `format = "{FIRST_CELLS[header[0]]}"` in [motion].'
-    if '"' in "".join(header) or len(set(header)) < len(header):
+    if '"' in "".join(header) or max(map(len, header)) > LONGEST or len(set(header)) < len(header):
         return OWN_NAMES
     pairs = [(name, up) for name in header if (up := _partner(name, header))]
     forms = Counter(form for pair in pairs for form in _numbered(*pair))

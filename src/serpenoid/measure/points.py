@@ -105,6 +105,11 @@ def _in_turn(stamps: Floats, frame: NDArray[np.int64], path: Path) -> Floats:
     have not as many each."""
     counts = np.bincount(frame)
     usual = int(np.median(counts))
+    if usual == 1:
+        raise InputError(
+            f"{path}: most times have one row, which is one point of a body. Have rows of a frame not the same time, "
+            "or does a column say which point each is of, `point` in `columns`? Of one point no K can be told."
+        )
     odd = np.flatnonzero(counts != usual)
     if len(odd):
         raise InputError(

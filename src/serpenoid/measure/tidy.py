@@ -22,6 +22,7 @@ from serpenoid.measure.cells import (
 )
 from serpenoid.measure.columns import (
     IN_BRACKETS,
+    LONGEST_SHOWN,
     SECONDS,
     SPELT,
     MotionColumns,
@@ -116,9 +117,8 @@ def _tidy_points(header: list[str], path: Path, row: int) -> list[int]:
     expected = ["frame" if header[0] == "frame" else "t_s"] + [f"{axis}_{k}" for k in range(count) for axis in "xy"]
     for column, (got, want) in enumerate(zip(header, expected, strict=False)):
         if _without_unit(got) != want:
-            raise InputError(
-                f"{place(path, row, column)}: a tidy file has `{want}` here, got {got!r}. {advice(header)}"
-            )
+            there = f"a tidy file has `{want}` here, got {got[:LONGEST_SHOWN]!r}"
+            raise InputError(f"{place(path, row, column)}: {there}. {advice(header)}")
     if count < 1 or len(header) != len(expected):
         raise InputError(
             f"{path}: row {row + 1}: a tidy file has `t_s,x_0,y_0,...` in pairs, got {len(header)} columns. Where "
