@@ -51,7 +51,7 @@ def _of_groups(file: Any, film: Path) -> str:
     if kind is None and any(is_pandas(file[name]) for name in file):
         kind = "deeplabcut"
     if kind is None:
-        known = ", ".join([*(kind for _, kind in BY_GROUP), "deeplabcut"])
+        known = ", ".join(dict.fromkeys([*(kind for _, kind in BY_GROUP), "deeplabcut"]))
         cure = "".join(f" {words}" for name, words in UNREAD.items() if name in file)
         raise InputError(f"{film}: an HDF5 file that holds {inside(file)}, of none that are read ({known}).{cure}")
     return kind
