@@ -492,7 +492,7 @@ def test_a_turn_by_more_than_a_whole_one_may_be_in_degrees(asked: str, told: str
 
 @pytest.mark.parametrize(("seconds", "asked"), [(5000.0, True), (60.0, False), (0.02, False)])
 def test_a_cycle_that_may_be_milliseconds_is_asked_about(seconds: float, asked: bool) -> None:
-    told = (f"a cycle of {seconds:g} s is longer than any gait's (300 s). Milliseconds?",)
+    told = (f"a cycle of {seconds:g} s is longer than any gait's (600 s). Milliseconds?",)
     assert problem("reference", f"task.cycle_duration_s={seconds}").odd_units == (told if asked else ())
 
 

@@ -40,7 +40,7 @@ from serpenoid.objectives.term import Ask, Rows
 from serpenoid.wording import listed
 
 LEFT_OPEN = ("extended-model.toml", "diagnosis.json")  # what of a diagnosis tells the cases that a gait must serve
-LONGEST_CYCLE_S = 300.0  # what goes slower is asked about its unit: the slowest worms crawl by beats of a minute
+LONGEST_CYCLE_S = 600.0  # as robots are asked to play at most; what goes slower is asked about its unit
 MOST_C = 1e6  # body lengths per unit of dissipation: beyond, moving is worth nothing
 MOST_POSITIONS = 5_000_000  # of vertices in one trajectory: 80 MB
 if TYPE_CHECKING:
