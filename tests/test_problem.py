@@ -490,5 +490,11 @@ def test_a_turn_by_more_than_a_whole_one_may_be_in_degrees(asked: str, told: str
     assert bool(told) is bool(said)
 
 
+@pytest.mark.parametrize(("seconds", "asked"), [(5000.0, True), (60.0, False), (0.02, False)])
+def test_a_cycle_that_may_be_milliseconds_is_asked_about(seconds: float, asked: bool) -> None:
+    told = (f"a cycle of {seconds:g} s is longer than any gait's (600 s). Milliseconds?",)
+    assert problem("reference", f"task.cycle_duration_s={seconds}").odd_units == (told if asked else ())
+
+
 def test_what_may_be_in_another_unit_is_said_of_a_simulation_too() -> None:
     assert "gait.theta: 90 rad" in repr(simulate(problem("reference", "gait.theta=90")))

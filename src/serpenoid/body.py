@@ -30,6 +30,7 @@ PLAUSIBLE_M: dict[str | None, tuple[float, float]] = {
     "swimmer": (5e-6, 40.0), "crawler": (5e-5, 20.0), None: (5e-6, 40.0),
 }  # fmt: skip
 SMALLER = {"millimetres": 1e-3, "centimetres": 1e-2, "micrometres": 1e-6}  # the likeliest slip first
+DENSEST = 1000.0 / 3**2  # kilograms per cubed metre of length: water, three times as long as wide and high
 # degrees, all joints at their limits to one side. Half a wave bends by 2 / pi of half of it, which tilts the body by
 # t = 4 degrees; drag that is five times as large sideways carries it by at most (5 - 1) t^2 / 2 = 1 % of a wave a cycle
 HARDLY_BENT = 25.0
@@ -151,9 +152,20 @@ class Body(Record):
         )
 
     @property
+    def odd_mass(self) -> str | None:
+        """A sentence where no body of this length weighs as much."""
+        length = self.told_length_m
+        if self.mass_kg is None or length is None or self.odd_length or self.mass_kg <= (most := DENSEST * length**3):
+            return None
+        return (
+            f"with `mass_kg` = {self.mass_kg:g} a body {length:.4g} m long weighs more than {most:.3g} kg, as much as "
+            "water of its length and a third of that across. Masses are in kilograms: was it given in grams?"
+        )
+
+    @property
     def odd_units(self) -> tuple[str, ...]:
         """What looks to be told in another unit, as sentences."""
-        return tuple(said for said in (self.odd_length, self.odd_limit) if said)
+        return tuple(said for said in (self.odd_length, self.odd_limit, self.odd_mass) if said)
 
     @property
     def sparse_edges(self) -> str | None:

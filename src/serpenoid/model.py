@@ -129,8 +129,12 @@ class Model:
         """Why the body cannot be lifted, as a sentence; None: it can."""
         if not self.effects and self.law.linear:
             return None
-        others = [law.title for law in LAWS.values() if not law.linear]
-        return f"{listed(['effects', *others])} are known in the plane; leave them out."
+        given = ["effects"] * bool(self.effects) + [self.law.title] * (not self.law.linear)
+        linear = next(name for name, law in LAWS.items() if law.linear)
+        return (
+            f'bodies are lifted with linear drag alone (law = "{linear}") and without effects; leave out '
+            f"{listed(given)}, or [lift]."
+        )
 
     @property
     def is_plain(self) -> bool:

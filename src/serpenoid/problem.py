@@ -40,6 +40,7 @@ from serpenoid.objectives.term import Ask, Rows
 from serpenoid.wording import listed
 
 LEFT_OPEN = ("extended-model.toml", "diagnosis.json")  # what of a diagnosis tells the cases that a gait must serve
+LONGEST_CYCLE_S = 600.0  # as robots are asked to play at most; what goes slower is asked about its unit
 MOST_C = 1e6  # body lengths per unit of dissipation: beyond, moving is worth nothing
 MOST_POSITIONS = 5_000_000  # of vertices in one trajectory: 80 MB
 if TYPE_CHECKING:
@@ -266,8 +267,16 @@ class Problem(Record):
         return gait.of(self.body.joint_count, task.steps + task.transient, bounds, not task.transient)
 
     @property
+    def odd_duration(self) -> str | None:
+        """A sentence where no limbless body takes as long for a cycle."""
+        duration = self.task.cycle_duration_s
+        if duration is None or duration <= LONGEST_CYCLE_S:
+            return None
+        return f"a cycle of {duration:g} s is longer than any gait's ({LONGEST_CYCLE_S:g} s). Milliseconds?"
+
+    @property
     def odd_units(self) -> tuple[str, ...]:
-        """What looks to be told in another unit, as sentences: lengths and limits of the body, turns of a gait."""
+        """What looks to be told in another unit, as sentences: lengths, limits and mass of the body, seconds, turns."""
         headings = [t for t in self.task.objectives if isinstance(t, Heading)]
         turns = [("[[task.objectives]] target_rad", t.target_rad / t.cycles) for t in headings]
         turns += [("task.constraints.heading_change_rad", self.task.constraints.heading_change_rad or 0.0)]
@@ -276,6 +285,7 @@ class Problem(Record):
         far = [(name, turn, when) for name, turn, when in said if abs(turn) > 2 * np.pi]
         return (
             *self.body.odd_units,
+            *([] if self.odd_duration is None else [self.odd_duration]),
             *(f"{name}: {turn:g} rad are more than a whole turn{when}. Degrees?" for name, turn, when in far),
         )
 

@@ -21,8 +21,8 @@ from serpenoid.table_file import write_table
 from serpenoid.trajectory import LiftedTrajectory, Trajectory
 
 if TYPE_CHECKING:
-    from serpenoid.optimise.mesh import MeshStudy
     from serpenoid.optimise.solution import SelfClear, Solution
+    from serpenoid.simulation.mesh import MeshStudy
     from serpenoid.simulation.problem import Simulation
 
 POSE = ("x", "y", "heading", "z", "pitch", "roll")

@@ -269,6 +269,25 @@ def test_a_sweep_that_is_stopped_says_what_is_there_and_how_to_go_on(
     assert f"stopped. {kept if solved else none}" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(("verb", "kept"), [("solve", True), ("solve", False), ("simulate", False)])
+def test_a_command_that_is_stopped_as_it_writes_says_how_to_go_on(
+    verb: str, kept: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopped(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    written = "serpenoid.results.write_solution" if kept else "serpenoid.optimise.solve.solve"
+    monkeypatch.setattr(written if verb == "solve" else "serpenoid.simulation.problem.simulate", stopped)
+    words = ["--set", "body.vertices=5", "--set", "task.steps=10", "--set", "task.constraints.joint_limits=false"]
+    starts = ["--starts", "1"] * (verb == "solve")
+    assert main([verb, REFERENCE, *words, *starts, "--quiet", "--out", str(tmp_path)]) == 130
+    goes_on = f"Solved starts are kept in {tmp_path}; the same command goes on from there."
+    anew = (
+        "No start was solved yet; the same command begins anew." if verb == "solve" else "The same command begins anew."
+    )
+    assert f"stopped. {goes_on if kept else anew}" in capsys.readouterr().err
+
+
 def test_show_repeats_what_a_verb_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "fit.json").write_text(json.dumps({"joint": {}}), encoding="utf-8")
     assert main(["show", str(tmp_path)]) == 2

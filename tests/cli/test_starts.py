@@ -19,6 +19,13 @@ def test_better_optima_that_a_coarse_mesh_spoils_are_named_with_the_remedy() -> 
     assert second.startswith("better, refused   -1.354000 (5x): 60 steps are too coarse for them; solve with --refine")
 
 
+def test_an_optimum_that_one_start_alone_found_may_not_be_the_best() -> None:
+    once = starts_lines(record(60, [{"cost": -1.0, "starts": 1}, {"cost": -0.9, "starts": 2}]))
+    told = f"{'':18}the best was found by one start alone; more starts may find a better one (--starts)"
+    assert once[1] == told
+    assert told not in starts_lines(record(60, [{"cost": -1.0, "starts": 2}, {"cost": -0.9, "starts": 1}]))
+
+
 def test_after_a_refinement_what_was_found_before_is_told_apart_from_it() -> None:
     lines = starts_lines(record(480, []))
     assert lines[0] == "optima found      none with 60 steps; failed starts: 5 mesh_too_coarse"

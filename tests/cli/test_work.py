@@ -59,11 +59,25 @@ def test_after_a_few_diagnoses_the_time_left_is_what_it_is() -> None:
         assert said == pytest.approx(true, rel=0.02, abs=0.5)
 
 
-def test_a_machine_at_half_its_pace_is_noticed_when_the_first_stage_has_ended() -> None:
+def test_a_machine_at_half_its_pace_is_noticed_as_its_stages_end() -> None:
     for _ in range(12):
         diagnosis()
-    for said, true in diagnosis(pace=2.0)[2:]:
-        assert said == pytest.approx(true, rel=0.02, abs=0.5)
+    slow = diagnosis(pace=2.0)
+    off = [(true - said) / true for said, true in slow[::2]]  # as stages begin
+    assert 0.4 < off[0] < 0.51
+    assert off == sorted(off, reverse=True)
+    assert 0 < off[len(STAGES) + SEARCHES - 1] < 0.1
+
+
+def test_one_short_stage_is_not_taken_for_the_pace() -> None:
+    for _ in range(12):
+        diagnosis()
+    clock = Clock()
+    work = Work("robot", [TRIALS], True, clock)
+    before = work.left()
+    clock.now += 12 * TOOK["reading"]  # a busy machine in the first seconds
+    work.begin(STAGES[1])
+    assert before < work.left() < 2.5 * before  # and not twelve times
 
 
 def test_what_was_found_in_the_cache_teaches_nothing() -> None:

@@ -87,6 +87,16 @@ def test_limits_that_may_be_radians_are_asked_about_before_the_work(
     assert "were they given in millimetres?" in said
 
 
+@pytest.mark.parametrize(
+    ("mass", "metres", "asked"),
+    [(900.0, 0.53, True), (1380.0, 0.836, True), (1.38, 0.836, False), (97.5, 5.2, False), (900.0, None, False)],
+)
+def test_a_mass_that_may_be_grams_is_asked_about(mass: float, metres: float | None, asked: bool) -> None:
+    said = Body(vertices=12, length_m=metres, mass_kg=mass).odd_units
+    assert bool(said) is asked
+    assert all("was it given in grams?" in words for words in said)
+
+
 @pytest.mark.parametrize("limit", [None, 10.0, (0.0, 5.0)])
 def test_small_limits_that_are_no_radians_raise_no_question(limit: float | tuple[float, float] | None) -> None:
     assert Body(vertices=4, joint_limit_deg=limit).odd_limit is None

@@ -14,7 +14,7 @@ from serpenoid.body import Body
 from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.errors import InputError
 from serpenoid.measure.consistency.films import Films
-from serpenoid.measure.consistency.lengths import Shown, all_longer, one_longer, wrong_edge
+from serpenoid.measure.consistency.lengths import Shown, all_longer, beside_film, one_longer, turned, wrong_edge
 from serpenoid.measure.lengths import shown_lengths, steady_lengths
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trial import build_motion
@@ -57,6 +57,33 @@ def test_a_single_link_says_nothing_and_unknown_links_are_left_out():
     assert all_longer(Shown.of([points[:, :2]], EDGES[:1])) is None
     unknown = np.where(np.arange(len(EDGES)) == 2, np.nan, EDGES)
     assert all_longer(Shown.of([points], unknown)) == pytest.approx(0.02, abs=0.001)
+
+
+@pytest.mark.parametrize("noise", [0.0002, 0.003])
+@pytest.mark.parametrize("scale", [1.0, 0.98])
+def test_lengths_that_are_told_from_head_to_tail_are_said_to_be(scale, noise):
+    points = film(np.random.default_rng(3), scale, noise)
+    assert "turn `edge_lengths` round" in turned(Shown.of([points], EDGES[::-1]), EDGES[::-1], True)
+    for told in (EDGES, np.full(len(EDGES), 0.07), np.roll(EDGES, 1)):
+        assert turned(Shown.of([points], told), told, True) == ""
+
+
+def test_markers_beside_their_places_turn_no_lengths_round():
+    rng = np.random.default_rng(9)
+    told = np.concatenate([EDGES[:3], EDGES[2::-1]])  # the same from either end
+    points = [film(rng, 1.0, 0.0005, beside=0.004)[:, :7] for _ in range(50)]
+    assert [turned(Shown.of([one], told), told, True) for one in points] == [""] * 50
+
+
+def test_several_links_that_are_told_wrong_are_said_with_both_lengths():
+    points, told = film(np.random.default_rng(4), 1.0, 0.0005), EDGES[[0, 2, 1, 3, 4, 5, 6]]
+    said = beside_film(Shown.of([points], told), told, NAMES, True)
+    assert re.search(r"`m1` to `m2` 0\.0[78]\d* m, not 0\.06 and `m2` to `m3` 0\.0[56]\d* m, not 0\.08;", said)
+    assert "other lengths than `edge_lengths`" in said
+    assert (
+        beside_film(Shown.of([film(np.random.default_rng(5), 1.0, 0.0005, beside=0.001)], EDGES), EDGES, NAMES, True)
+        == ""
+    )
 
 
 @pytest.mark.usefixtures("virtual_machine")

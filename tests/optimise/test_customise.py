@@ -78,11 +78,26 @@ def branching(of: Criteria) -> None:
     of.minimise(of.displacement if of.dissipation > 1 else of.dissipation)
 
 
+def misspelt(of: Criteria) -> None:
+    of.minimise(of.displacment)  # type: ignore[attr-defined]
+
+
+def set_misspelt(of: Criteria) -> None:
+    of.objectve = of.dissipation  # type: ignore[attr-defined]
+
+
+def set_what_is_made(of: Criteria) -> None:
+    of.displacement = of.dissipation  # type: ignore[misc]
+
+
 MISTAKES = {  # what customise does: what is said of it
     lambda of: of.displacement: r"returned SX, which is not looked at\. Call minimise",
     lambda: None: r"must be a function of one argument.* does not take one argument",
     "displacement": r"must be a function of one argument.*got str",
     foreign: r"minimise: `y` is no symbol of these criteria",
+    misspelt: r"criteria: there is no `displacment`\. Did you mean `displacement`\?",
+    set_misspelt: r"criteria: there is no `objectve`\. Did you mean `objective`\?",
+    set_what_is_made: r"criteria: `displacement` cannot be set\. Ask by minimise",
     off_the_end: r"`customise` off_the_end: Slice .* out of bounds with supplied length of 31\. Build it of",
     branching: r"`customise` branching: Cannot compute the truth value .* ca\.if_else, not if",
     lambda of: of.minimise("displacement"): r"minimise: takes an expression, got str",
@@ -108,11 +123,16 @@ def test_a_mistake_in_a_function_of_ones_own_is_told_in_words(mistake: object) -
         asked(problem("reference-optimum", "task.steps=30").task, FAMILY, mistake)  # type: ignore[arg-type]
 
 
+def test_criteria_are_asked_whether_they_have_something_as_any_object_is() -> None:
+    of = Criteria(3, 3, 1, 0)
+    assert (hasattr(of, "displacement"), hasattr(of, "displacment"), hasattr(of, "__len__")) == (True, False, False)
+
+
 def test_own_exceptions_of_the_function_pass_as_they_are() -> None:
     def slip(of: Criteria) -> None:
-        of.displacment  # type: ignore[attr-defined] # noqa: B018
+        raise ZeroDivisionError("mine")
 
-    with pytest.raises(AttributeError, match="displacment"):
+    with pytest.raises(ZeroDivisionError, match="mine"):
         asked(problem("reference-optimum", "task.steps=30").task, FAMILY, slip)
 
 

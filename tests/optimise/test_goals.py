@@ -27,11 +27,12 @@ from serpenoid.optimise.between import Between, GapField
 from serpenoid.optimise.clearance import RESOLUTION, clearance
 from serpenoid.optimise.easier import Easier, easier
 from serpenoid.optimise.ladder import FAMILIES, Step, climb, unlike_cycles
-from serpenoid.optimise.outcomes import fine_clear_of_obstacles, on_meshes
+from serpenoid.optimise.outcomes import fine_clear_of_obstacles
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from
 from serpenoid.problem import Problem, load
 from serpenoid.results import solution_record
+from serpenoid.simulation.problem import on_meshes
 from serpenoid.simulation.rollout import Batch
 from serpenoid.status import Status
 from specimens import PROBLEMS, oracle_run, problem

@@ -254,6 +254,12 @@ def test_what_gaits_in_space_cannot_do_is_refused_when_the_file_is_read(change: 
         small(change, *bounds)
 
 
+def test_what_cannot_be_lifted_is_named_with_what_can() -> None:
+    with pytest.raises(InputError, match=r"linear drag alone \(law = \"viscous\"\).*; leave out dry friction, or") as e:
+        small('medium.law="coulomb"')
+    assert "quadratic" not in str(e.value)
+
+
 def test_a_gait_in_space_is_simulated_as_it_is_lifted_and_cycles_repeat() -> None:
     """Two cycles are one, moved by what one does."""
     exact = small("lift.phase=[0.1,0.1]", "lift.bias=[0.2,0.2]", "gait.a=8.0", "gait.xi=1.2")

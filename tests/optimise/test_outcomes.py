@@ -20,9 +20,9 @@ from serpenoid.objectives.term import Played
 from serpenoid.objectives.travel import Travel
 from serpenoid.optimise.circle import circle_note
 from serpenoid.optimise.clearance import Clearance
-from serpenoid.optimise.mesh import MeshStudy
 from serpenoid.optimise.outcomes import goal_words
 from serpenoid.optimise.solution import SelfClear
+from serpenoid.simulation.mesh import MeshStudy
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 from specimens import PROBLEMS, problem

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.media import LAWS
-from serpenoid.wording import counted, percent
+from serpenoid.wording import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from serpenoid.optimise.clearance import Clearance
-    from serpenoid.optimise.mesh import MeshStudy
     from serpenoid.optimise.solution import SelfClear
     from serpenoid.problem import Problem
+    from serpenoid.simulation.mesh import MeshStudy
 
 
 def dissipation_name(law: str) -> str:
@@ -47,13 +46,10 @@ def goal_lines(record: dict[str, Any]) -> list[str]:
 
 def mesh_lines(mesh: MeshStudy, goals: Sequence[str], remedy: str, what: str = "") -> list[str]:
     """What more steps make of this gait, and what that means for goals; remedy: how to solve or simulate with more."""
-    from serpenoid.optimise.mesh import TOLERANCE
     from serpenoid.optimise.refine import REFINED
 
     lines = [f"mesh              {what}{mesh.words}"]
-    if isfinite(mesh.error) and not mesh.converged:
-        coarse = f"{mesh.steps} steps are too coarse for this gait: what it does is off by more than"
-        lines += [f"warning           {coarse} {percent(TOLERANCE)}: {remedy}"]
+    lines += [f"warning           {mesh.too_coarse}: {remedy}"] * bool(mesh.too_coarse)
     if mesh.within(REFINED) or not any(" met" in goal for goal in goals):
         return lines
     which = "goals that are met are met" if any("missed" in goal for goal in goals) else "goals are met"
@@ -66,7 +62,7 @@ def clear_lines(
 ) -> list[str]:
     """What is proven of the body's distance from obstacles (fine: with FINER times as many steps) and from itself."""
     from serpenoid.objectives.obstacles import DEEP
-    from serpenoid.optimise.mesh import FINER
+    from serpenoid.simulation.mesh import FINER
 
     of_itself = [f"from itself       {own.words}"] if own else []
     if obstacles is None:

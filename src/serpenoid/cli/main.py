@@ -48,6 +48,7 @@ VERBS: dict[str, str] = {
     "completion": "print a script for the shell to complete commands",
 }
 
+ANEW = "The same command begins anew."  # of one that keeps nothing before its answer
 EPILOG = "Every verb explains itself: serpenoid VERB --help."
 
 
@@ -161,7 +162,7 @@ def _stopped(args: argparse.Namespace, reason: str = "") -> int:
 
 def _kept(args: argparse.Namespace) -> str:
     """What the verb says is left of its work, a sentence or what finds one."""
-    said = getattr(args, "kept_if_stopped", "")
+    said = getattr(args, "kept_if_stopped", ANEW if getattr(args, "requests", None) else "")
     return str(said() if callable(said) else said)
 
 

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from serpenoid.trajectory import Trajectory
 
 
+SET = "--set "  # begins how the command line asks for other steps
+
+
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `simulate`."""
     options.add_problem(parser)
@@ -35,18 +38,16 @@ def run(args: argparse.Namespace) -> int:
     """Simulate, write, report."""
     from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines, in_cycles, mesh_lines, speed_lines
     from serpenoid.joint_limits import limit_lines
-    from serpenoid.optimise.mesh import FINER
     from serpenoid.optimise.outcomes import (
         clear_of_itself,
         clear_of_obstacles,
         fine_clear_of_obstacles,
-        mesh_of,
-        on_meshes,
     )
     from serpenoid.problem import load
     from serpenoid.results import default_folder, weight_warning, write_simulation
     from serpenoid.self_contact import crossing_warning
-    from serpenoid.simulation.problem import simulate
+    from serpenoid.simulation.mesh import FINER
+    from serpenoid.simulation.problem import mesh_of, more_steps, on_meshes, simulate
     from serpenoid.trajectory import floor_lines
 
     problem = load(args.problem, args.set, args.model)
@@ -71,6 +72,7 @@ def run(args: argparse.Namespace) -> int:
         return 1
     several = problem.task.cycles > 1
     together = in_cycles(problem.task.cycles) * several
+    finer = more_steps(problem, FINER * motion.steps_per_cycle, SET)
     lines = [
         f"displacement      {motion.displacement:z.6f} body lengths{together}",
         *speed_lines(problem, motion.displacement, problem.task.cycles),
@@ -81,18 +83,14 @@ def run(args: argparse.Namespace) -> int:
         *_softening_lines(problem, motion),
         *goal_lines(record),
         *[f"{'':18}goals are judged from the motion of the first cycle"] * (several and bool(record["goals"])),
-        *(
-            []
-            if mesh is None
-            else mesh_lines(mesh, record["goals"], _more(problem, 4 * mesh.steps), "one cycle: " * several)
-        ),
+        *([] if mesh is None else mesh_lines(mesh, record["goals"], finer, "one cycle: " * several)),
         *_rows_lines(problem, len(result.table)),
         *clear_lines(
             clear_of_obstacles(problem, result.table, motion),
             fine_clear_of_obstacles(problem, result.table, meshes[-1]),
             clear_of_itself(problem, result.table),
             motion.steps_per_cycle,
-            _more(problem, FINER * motion.steps_per_cycle),
+            finer,
         ),
         *floor_lines(motion),
         *limit_lines(problem, result.table),
@@ -102,14 +100,6 @@ def run(args: argparse.Namespace) -> int:
     ]
     options.report(args, record, lines, folder)
     return 0
-
-
-def _more(problem: Problem, steps: int) -> str:
-    """How to have so many steps."""
-    from serpenoid.gaits.table import TableGait
-
-    given = isinstance(problem.gait, TableGait)
-    return f"give a joint table of {steps} rows a cycle" if given else f"--set task.steps={steps}"
 
 
 def _raw(problem: Problem, motion: Trajectory) -> str:

@@ -39,6 +39,7 @@ from serpenoid.cli.starts import (
     MOST_BOUNDS,
     bound_lines,
     certificate_line,
+    left_in,
     note_lines,
     refinement,
     starts_lines,
@@ -114,6 +115,7 @@ def _solve(args: argparse.Namespace, problem: Problem) -> int:
     folder = options.output_folder(
         args, default_folder(problem, "solve", *_options(args)), problem.hash, *_options(args)
     )
+    args.kept_if_stopped = lambda: left_in([folder], "start")
     result = _search(args, problem, folder)
     stopped = len(result.solutions) < args.starts or any(s.status is Status.STOPPED for s in result.solutions)
     stopped |= any(optimum.solution.polishing_gain is None for optimum in result.optima)

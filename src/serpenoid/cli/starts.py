@@ -6,7 +6,11 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from serpenoid.wording import FOUND_ONCE, listed
+
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from serpenoid.optimise.multistart import MultiStart
     from serpenoid.optimise.refine import Refined
 
@@ -27,6 +31,16 @@ def summary(result: MultiStart, starts: int, seed: int) -> dict[str, Any]:
         "failures": [s.status.name.lower() for s in result.failures],
         "costs": [s.cost if s.status.ok else None for s in result.solutions],
     }
+
+
+def left_in(folders: Sequence[Path], what: str) -> str:
+    """What of its points, or starts, a command that was stopped has solved, and how to go on."""
+    from serpenoid.optimise.chain_store import CHAIN
+
+    kept = [str(folder) for folder in folders if any((folder / CHAIN).glob("*.npz"))]
+    if not kept:
+        return f"No {what} was solved yet; the same command begins anew."
+    return f"Solved {what}s are kept in {listed(kept)}; the same command goes on from there."
 
 
 def refinement(refined: Refined) -> dict[str, Any]:
@@ -54,6 +68,8 @@ def starts_lines(record: dict[str, Any]) -> list[str]:
     reasons = ", ".join(f"{count} {reason}" for reason, count in Counter(found["failures"]).most_common())
     on = f" with {first} steps" * refined
     lines = [f"optima found      {_costs(found['optima']) or 'none'}{on}; failed starts: {reasons or 0}"]
+    if found["optima"] and found["optima"][0]["starts"] == 1:
+        lines.append(f"{'':18}the best was {FOUND_ONCE} (--starts)")
     coarse = _costs(found.get("better_but_coarse", []))
     if refined:
         lines += [f"refused           {coarse}{on}: that mesh is too coarse for them"] * bool(coarse)

@@ -28,7 +28,8 @@ from typing import TYPE_CHECKING, Any
 from serpenoid.cli import options
 from serpenoid.cli.claim import claim, sign
 from serpenoid.cli.log import settle
-from serpenoid.wording import counted, listed, percent
+from serpenoid.cli.starts import left_in
+from serpenoid.wording import counted, percent
 
 if TYPE_CHECKING:
     from serpenoid.problem import Problem
@@ -108,7 +109,7 @@ def run(args: argparse.Namespace) -> int:
         raise InputError("two of the problem files would write to the same folder: name each once, or rename one.")
     settle(folders)
     sign(args)
-    args.kept_if_stopped = lambda: left_in(folders)
+    args.kept_if_stopped = lambda: left_in(folders, "point")
     if args.cluster is None and (len(problems) == 1 or args.jobs <= 1):
         summaries = []
         for problem, folder in zip(problems, folders, strict=True):
@@ -124,19 +125,9 @@ def run(args: argparse.Namespace) -> int:
     for folder in folders:
         options.open_page(args, folder)
     if not all(s["complete"] for s in summaries):
-        options.complain(f"stopped. {left_in(folders)}")
+        options.complain(f"stopped. {left_in(folders, 'point')}")
         return 130
     return 1 if any(s["failed"] for s in summaries) else 0
-
-
-def left_in(folders: list[Path]) -> str:
-    """What a sweep that was stopped has, and how to go on."""
-    from serpenoid.optimise.chain_store import CHAIN
-
-    kept = [str(folder) for folder in folders if any((folder / CHAIN).glob("*.npz"))]
-    if not kept:
-        return "No point was solved yet; the same command begins anew."
-    return f"Solved points are kept in {listed(kept)}; the same command goes on from there."
 
 
 def _beside(args: argparse.Namespace, problems: list[Problem]) -> Beside | None:

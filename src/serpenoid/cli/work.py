@@ -2,7 +2,12 @@
 
 What a stage took in the last diagnoses on this machine, in seconds a trial, is kept in the cache folder, robots and
 animals apart; the first time, what was measured for 16 trials stands in. Where finished stages took longer than was
-expected of them (a slower or loaded machine), so will the others. How often an effect is looked for is not known
+expected of them (a slower or loaded machine), so will the others, as far as the finished ones are a part of the work:
+one short stage has delays of its own, and is not the pace of all.
+
+    slower = (took + B w) / (expected + B w)    took, expected: of finished stages; w: expected of all; B: BELIEF
+
+How often an effect is looked for is not known
 before: as often as last time, until it is once more.
 """
 
@@ -24,6 +29,7 @@ STAGES = (READING, SERVOS, "shape against markers", "shape against motion", SEAR
 FIRST = dict(zip(STAGES, (0.12, 0.20, 0.05, 0.06, 0.10, 0.01, 0.02, 0.03), strict=True)) | {SEARCHES: 2.0, FIGURES: 1.0}
 NEWEST = 0.5  # weight of the last diagnosis in what is expected of the next
 REMEMBERED = 0.2  # of what was expected: a stage that took less was found in the cache and tells nothing
+BELIEF = 0.15  # of all the work: finished stages that are as much are believed by half
 KEPT = "diagnosis-times.json"
 Tell = Callable[[float, str, float], None]  # seconds done, what is being done, seconds in all
 
@@ -79,7 +85,8 @@ class Work:
     def left(self) -> float:
         """Seconds until all is done, now."""
         took, expected = self._slower
-        slower = max(1.0, took / expected) if expected > 0 else 1.0
+        belief = BELIEF * (expected + self._seconds(self._stage) + self._after())
+        slower = max(1.0, (took + belief) / (expected + belief)) if belief > 0 else 1.0
         now = slower * self._seconds(self._stage) - (self._clock() - self._since)
         return max(0.0, now) + slower * self._after()
 

@@ -14,6 +14,7 @@ from serpenoid.body import Body
 from serpenoid.measure.beside_midline import beside_midline, said
 from serpenoid.measure.cells import Floats, listed
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
+from serpenoid.measure.folded import folded
 from serpenoid.measure.lengths import shown_lengths
 from serpenoid.measure.picture import as_if_alike, picture
 from serpenoid.measure.quality import Jump
@@ -181,6 +182,9 @@ def _way(time_s: Floats, columns: Floats, variance: float) -> Floats:
 
 def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
     """Sentences on direction and length; what looks wrong comes with its cure."""
+    back = folded(motion.markers)
+    if back:
+        return (back,)  # all else that could be said comes of it
     rigid = () if body.is_animal else (RIGID,)
     head_first, run = leading(motion), bends_run(motion)
     which = "head first" if head_first > 0.5 else "tail first"

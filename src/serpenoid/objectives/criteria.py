@@ -9,9 +9,10 @@ Legend: T steps, R rows of the joint table, m joints, n gait parameters.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from difflib import get_close_matches
 from functools import cached_property
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import casadi as ca
 
@@ -58,6 +59,10 @@ class Apart(Protocol):
         """Second derivatives (m R, m R) of multipliers . gaps."""
 
 
+class UnknownName(InputError, AttributeError):
+    """A name that criteria do not have, read or set: misspelt, it would ask nothing."""
+
+
 @dataclass
 class Criteria:
     """Symbols of one cycle; add to them with `minimise`, `also_minimise` and `subject_to`.
@@ -101,6 +106,25 @@ class Criteria:
         self.dissipation, self.c = ca.SX.sym("dissipation"), ca.SX.sym("c")
         self.gait = ca.SX.sym("gait", self.size)
         self.objective = ca.SX(0)
+
+    if not TYPE_CHECKING:  # checkers would take every name for one that is there
+
+        def __getattr__(self, name: str) -> None:
+            """What is not there, asked for."""
+            raise AttributeError(name) if name.startswith("_") else self._unknown(name)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name not in {own.name for own in fields(self)}:
+            raise self._unknown(name)
+        super().__setattr__(name, value)
+
+    def _unknown(self, name: str) -> UnknownName:
+        names = [own for own in dir(self) if not own.startswith("_")]
+        if name in names:  # methods and what is made of the symbols
+            return UnknownName(f"criteria: `{name}` cannot be set. Ask by minimise(...) or subject_to(...).")
+        close = get_close_matches(name, names, n=1)
+        hint = f"Did you mean `{close[0]}`?" if close else f"There are {', '.join(names)}."
+        return UnknownName(f"criteria: there is no `{name}`. {hint}")
 
     @cached_property
     def known(self) -> set[int]:

@@ -18,13 +18,13 @@ from serpenoid.optimise.asked import Customise, asked
 from serpenoid.optimise.clearance import Clearance
 from serpenoid.optimise.ipopt import Point
 from serpenoid.optimise.limits import path_limits, violations
-from serpenoid.optimise.mesh import FACTORS, FINER, MeshStudy, study_mesh
 from serpenoid.optimise.motion_law import needs_states
 from serpenoid.optimise.obstacles import Obstacles
 from serpenoid.optimise.played import Played
 from serpenoid.optimise.solution import CaseOutcome, SelfClear
 from serpenoid.problem import Problem
 from serpenoid.simulation.gaits import simulate_gait, simulate_gaits
+from serpenoid.simulation.mesh import FACTORS, FINER, MeshStudy, study_mesh
 from serpenoid.simulation.problem import gait_parameters
 from serpenoid.simulation.rollout import Batch
 from serpenoid.trajectory import Trajectory

@@ -19,7 +19,7 @@ from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.shown import Shown
 from serpenoid.status import Status
-from serpenoid.wording import counted
+from serpenoid.wording import FOUND_ONCE, counted
 
 SAME_COST = 1e-6  # optima whose objectives differ by less are one: mirror images and half turns of theta are equal
 MISSED = 1e-6  # of a constraint: far above the optimiser's tolerance
@@ -46,7 +46,8 @@ class MultiStart(Shown):
     def summary(self) -> str:
         """How many starts, how many optima, and the best."""
         optima = "1 optimum" if len(self.optima) == 1 else f"{len(self.optima)} optima"
-        return f"{counted(len(self.solutions), 'start')}, {optima}; best {self.best.summary()}"
+        once = f"; {FOUND_ONCE}" if self.optima and self.optima[0].count == 1 else ""
+        return f"{counted(len(self.solutions), 'start')}, {optima}; best {self.best.summary()}{once}"
 
     @property
     def best(self) -> Solution:

@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from serpenoid.body import Floats
-from serpenoid.gaits import GaitFamily, TableGait
 from serpenoid.objectives.criteria import Criteria
 from serpenoid.objectives.obstacles import Obstacle
 from serpenoid.objectives.term import Demand, Goal, Played, told
 from serpenoid.optimise.apart import pairs_of
 from serpenoid.optimise.clearance import Clearance
-from serpenoid.optimise.mesh import FACTORS, FINER, MeshStudy, study_mesh
 from serpenoid.optimise.obstacles import Obstacles
 from serpenoid.optimise.solution import SelfClear
 from serpenoid.problem import Problem
-from serpenoid.simulation.gaits import simulate_gait
+from serpenoid.simulation.mesh import FINER
+from serpenoid.simulation.problem import finer_gait
 from serpenoid.trajectory import Trajectory
 
 
@@ -39,24 +38,6 @@ def _numbered(goal: Goal, demands: Sequence[Demand], said: str) -> str:
     return said if which is None or len(alike) == 1 or not said else f"demand {which}: {said}"
 
 
-def on_meshes(problem: Problem, table: Floats) -> list[Trajectory]:
-    """The motions of the problem's gait, whose joint table is known, with FACTORS times as many steps."""
-    return [simulate_gait(problem.model, *_finer(problem, table, factor)) for factor in FACTORS]
-
-
-def mesh_of(problem: Problem, table: Floats, meshes: Sequence[Trajectory]) -> MeshStudy:
-    """How the motion depends on the number of steps; meshes: see `on_meshes`."""
-    return study_mesh(meshes, len(table) - problem.task.transient)
-
-
-def _finer(problem: Problem, table: Floats, factor: int) -> tuple[GaitFamily, Floats]:
-    """The problem's gait with `factor` times as many steps: its family, and its parameters there."""
-    family = problem.family_of()
-    if isinstance(problem.gait, TableGait):  # of a file, which has its own number of rows
-        family = TableGait.from_angles(table).of(table.shape[1], len(table), closed=not problem.task.transient)
-    return family.refined(factor), family.on_finer_rows(family.start(), factor)
-
-
 def clear_of_obstacles(problem: Problem, table: Floats, motion: Trajectory) -> Clearance | None:
     """How near the body comes to obstacles between all rows of a cycle; None where there are none."""
     steps = motion.steps_per_cycle
@@ -66,7 +47,7 @@ def clear_of_obstacles(problem: Problem, table: Floats, motion: Trajectory) -> C
 def fine_clear_of_obstacles(problem: Problem, table: Floats, finest: Trajectory) -> Clearance | None:
     """The same of a cycle with FINER times as many steps, the last of `on_meshes`; None where that failed, too."""
     steps = FINER * (len(table) - problem.task.transient)
-    return _obstacles(problem, steps).of_gait(*_finer(problem, table, FINER), finest)
+    return _obstacles(problem, steps).of_gait(*finer_gait(problem, table, FINER), finest)
 
 
 def _obstacles(problem: Problem, steps: int) -> Obstacles:

@@ -17,12 +17,12 @@ from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.optimise.certify import POSE_TOLERANCE
 from serpenoid.optimise.limits import path_limits, violations
-from serpenoid.optimise.mesh import FACTORS, MeshStudy, study_mesh
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
 from serpenoid.simulation import simulate_joint_angles
 from serpenoid.simulation.callers import problem_of
 from serpenoid.simulation.given import finite, shaped
+from serpenoid.simulation.mesh import FACTORS, MeshStudy, study_mesh
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 from serpenoid.wording import warned

@@ -24,7 +24,6 @@ from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Point
 from serpenoid.optimise.limits import PathLimits, path_limits
-from serpenoid.optimise.mesh import MeshStudy
 from serpenoid.optimise.motion_law import motion_law
 from serpenoid.optimise.motions import Costs, GaitBounds
 from serpenoid.optimise.prepared import Carried
@@ -34,6 +33,7 @@ from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.problem import Problem
 from serpenoid.simulation.gaits import simulate_gaits
+from serpenoid.simulation.mesh import MeshStudy
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 

@@ -13,10 +13,10 @@ from serpenoid.optimise.apart import Pairs
 from serpenoid.optimise.circle import circle_note
 from serpenoid.optimise.clearance import Clearance
 from serpenoid.optimise.ipopt import Residuals
-from serpenoid.optimise.mesh import MeshStudy
 from serpenoid.optimise.unmoved import rest_note, why_unmoved
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
+from serpenoid.simulation.mesh import MeshStudy
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory
 

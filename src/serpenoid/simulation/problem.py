@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from serpenoid.body import Floats
@@ -14,7 +16,9 @@ from serpenoid.mechanics.tables import family_tables
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
 from serpenoid.simulation.callers import problem_of
+from serpenoid.simulation.gaits import simulate_gait
 from serpenoid.simulation.lifted import simulate_lifted
+from serpenoid.simulation.mesh import FACTORS, FINER, MeshStudy, study_mesh
 from serpenoid.simulation.rollout import simulate_joint_angles
 from serpenoid.table_file import read_table
 from serpenoid.trajectory import Trajectory
@@ -30,11 +34,27 @@ class Simulation(Shown):
     trajectory: Trajectory
 
     def summary(self) -> str:
-        """The problem, and how far it went; limits of its joints that it breaks, units that may be others."""
+        """The problem, and how far it went; limits of its joints that it breaks, units that may be others, steps that
+        are too coarse."""
         told = self.trajectory.odd_units
         doubts = [*self.problem.odd_units, *broken_limits(self.problem, self.table)]
+        if self.mesh is not None and self.mesh.too_coarse:
+            doubts.append(f"{self.mesh.too_coarse}: {more_steps(self.problem, FINER * self.mesh.steps)}")
         broken = [said for said in doubts if said not in told]
         return warned(f"{self.problem.name}: {self.trajectory.summary()}", broken)
+
+    @cached_property
+    def mesh(self) -> MeshStudy | None:
+        """How one cycle depends on the number of steps: simulated with more as it is asked for; None of no motion."""
+        if not self.trajectory.status.ok:
+            return None
+        return mesh_of(self.problem, self.table, on_meshes(self.problem, self.table))
+
+
+def more_steps(problem: Problem, steps: int, ask: str = "ask for ") -> str:
+    """How to have so many steps; ask: begins what a caller, or a command, says of them."""
+    given = isinstance(problem.gait, TableGait)
+    return f"give a joint table of {steps} rows a cycle" if given else f"{ask}task.steps={steps}"
 
 
 def gait_table(problem: Problem) -> Floats:
@@ -68,3 +88,21 @@ def simulate(problem: Problem | str | Path) -> Simulation:
         return Simulation(problem, table, lifted)
     motion = simulate_joint_angles(problem.model, table, task.cycles, closed=not task.transient)
     return Simulation(problem, table, motion)
+
+
+def on_meshes(problem: Problem, table: Floats) -> list[Trajectory]:
+    """The motions of the problem's gait, whose joint table is known, with FACTORS times as many steps."""
+    return [simulate_gait(problem.model, *finer_gait(problem, table, factor)) for factor in FACTORS]
+
+
+def mesh_of(problem: Problem, table: Floats, meshes: Sequence[Trajectory]) -> MeshStudy:
+    """How the motion depends on the number of steps; meshes: see `on_meshes`."""
+    return study_mesh(meshes, len(table) - problem.task.transient)
+
+
+def finer_gait(problem: Problem, table: Floats, factor: int) -> tuple[GaitFamily, Floats]:
+    """The problem's gait with `factor` times as many steps: its family, and its parameters there."""
+    family = problem.family_of()
+    if isinstance(problem.gait, TableGait):  # of a file, which has its own number of rows
+        family = TableGait.from_angles(table).of(table.shape[1], len(table), closed=not problem.task.transient)
+    return family.refined(factor), family.on_finer_rows(family.start(), factor)

@@ -7,12 +7,12 @@ from typing import Any
 
 from serpenoid.files.writing import provenance, write_csv, write_json
 from serpenoid.joint_limits import limit_lines
-from serpenoid.optimise.mesh import RESOLVED
 from serpenoid.optimise.refine import REFINED
 from serpenoid.optimise.solution import Solution
 from serpenoid.performance import electrical_cost_of_transport, idle_for_minimum, pareto_front
 from serpenoid.problem import Problem
 from serpenoid.results import write_solution
+from serpenoid.simulation.mesh import RESOLVED
 from serpenoid.studies.beside import Beside
 from serpenoid.studies.sweep import NOT_REACHED, Sweep, SweepPoint
 

@@ -27,7 +27,7 @@ from serpenoid.body import Body
 from serpenoid.measure.campaign import CampaignFile
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.blame import Contradiction
-from serpenoid.measure.consistency.lengths import PARTS, Shown, all_longer, beside_film, wrong_edge
+from serpenoid.measure.consistency.lengths import PARTS, Shown, all_longer, beside_film, turned, wrong_edge
 from serpenoid.measure.consistency.rivals import CERTAIN
 from serpenoid.measure.remark import Remark
 from serpenoid.measure.trial_files import Files, ever_seen, stated_between
@@ -50,6 +50,9 @@ class Films:
     @property
     def said(self) -> dict[str, Remark]:
         """What is said of every trial by name: the same of all, or of each whose film has another scale."""
+        shown, stated, _, all_marked = self.shown
+        if back := turned(shown, stated, all_marked):
+            return dict.fromkeys(self.trials, Remark(back))
         longer, directed = self._longer(self.points), self._by_direction()
         if not _differ(longer):
             if directed.certain and directed.share > max(APART, self.shown[0].noise.max() / 2):

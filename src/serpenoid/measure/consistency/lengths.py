@@ -31,9 +31,11 @@ from scipy.special import ndtri, stdtr
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.geometry import SCALE_SD
 from serpenoid.measure.consistency.rivals import CERTAIN, ODDS
+from serpenoid.wording import listed
 
 NORMAL_MAD = float(ndtri(0.75))  # median absolute deviation over standard deviation
 STEADY = 1.5  # times the scatter of any other edge: what noise makes; a marker 7 mm off a joint makes nine times
+FAR_OFF = 0.2  # of an edge: markers are not put on as badly as that
 PARTS = 4  # of a recording, whose scales show how far postures and noise move one
 
 
@@ -109,9 +111,42 @@ def beside_film(found: Shown, stated: Floats, names: Sequence[str], all_marked: 
         where = f"from `{names[k]}` to `{names[k + 1]}` (`edge_lengths`: {stated[k]:.4g} m)"
         what = f"{where} it is {100 * abs(off):.2g} % {more} in the film, other links are as said: "
         what += "one of the two is off, or a marker beside its place"
+    elif several := _several(found, stated, names):
+        what = f"its film shows links of other lengths than `edge_lengths`: {several}; measure them"
     else:
         return ""
     return f"{what}. Left so it counts as marker noise and moves what is fitted. Correct it{_left_out(all_marked)}"
+
+
+def _several(found: Shown, stated: Floats, names: Sequence[str]) -> str:
+    """Which edges differ from the usual one by more than a marker that was put on badly makes of them; else ""."""
+    if len(found.longer) < 3:
+        return ""
+    apart, shown = found.longer - np.median(found.longer), stated[found.known] * np.exp(found.longer)
+    off = [
+        f"`{names[k]}` to `{names[k + 1]}` {shown[at]:.4g} m, not {stated[k]:.4g}"
+        for at, k in enumerate(np.flatnonzero(found.known).tolist())
+        if abs(apart[at]) > FAR_OFF
+    ]
+    return listed(off) if len(off) > 1 else ""
+
+
+def turned(found: Shown, stated: Floats, all_marked: bool) -> str:
+    """What is said where films show distances (N - 1,) as stated from the other end, and other than as stated, or "".
+
+    gain = E / 2 log(var(r) / var(r turned)): edges differ among each other by chance, scale free.
+    """
+    if not all_marked or not found.known.all() or len(stated) < 2:
+        return ""
+    back = found.longer + np.log(stated / stated[::-1])
+    spread = float(found.longer.std())
+    gain = len(stated) * np.log(max(spread, np.finfo(float).tiny) / max(float(back.std()), np.finfo(float).tiny))
+    if gain < ODDS or spread < SCALE_SD:
+        return ""
+    return (
+        "its film shows links as long as `edge_lengths` says from head to tail: turn `edge_lengths` round, or see "
+        "whether `markers` begin at the tail. Left so it counts as marker noise and moves what is fitted"
+    )
 
 
 def taken_for_scale(share: float) -> str:

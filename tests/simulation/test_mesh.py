@@ -10,12 +10,11 @@ import pytest
 from serpenoid.body import Floats
 from serpenoid.gaits import TableGait
 from serpenoid.mechanics.tables import joint_table
-from serpenoid.optimise.mesh import FACTORS, MeshStudy, study_mesh
-from serpenoid.optimise.outcomes import mesh_of, on_meshes
 from serpenoid.optimise.refine import refine, refine_best
 from serpenoid.optimise.solve import solve
 from serpenoid.simulation import simulate_joint_angles
-from serpenoid.simulation.problem import simulate
+from serpenoid.simulation.mesh import FACTORS, MeshStudy, study_mesh
+from serpenoid.simulation.problem import mesh_of, on_meshes, simulate
 from serpenoid.status import Status
 from specimens import oracle_run, problem, random_table, reference
 
@@ -42,6 +41,9 @@ def test_a_gait_that_is_simulated_has_the_mesh_error_of_one_that_is_solved(steps
     assert found.displacements[0] == pytest.approx(own.trajectory.displacement, abs=1e-12)
     np.testing.assert_allclose(found.displacements, study.displacements, atol=1e-12)
     assert found.converged == (steps == 50)
+    assert own.mesh == found
+    said = "3 steps are too coarse for this gait: what it does is off by more than 5 %: ask for task.steps=12"
+    assert (said in repr(own)) == (steps == 3)
 
 
 def test_a_table_of_other_rows_than_the_file_says_is_refined_as_it_is_played() -> None:

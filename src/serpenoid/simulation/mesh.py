@@ -75,6 +75,13 @@ class MeshStudy:
         """Whether the rule holds."""
         return self.within(TOLERANCE)
 
+    @property
+    def too_coarse(self) -> str:
+        """A sentence where the rule does not hold; none where finer meshes could not be simulated."""
+        if not np.isfinite(self.error) or self.converged:
+            return ""
+        return f"{self.steps} steps are too coarse for this gait: what it does is off by more than {percent(TOLERANCE)}"
+
     def within(self, share: float) -> bool:
         """Whether the error is at most `share` of the extrapolated motion: displacement and turn together."""
         error = self.error + GYRATION * self.turn_error
