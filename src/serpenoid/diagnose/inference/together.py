@@ -2,33 +2,51 @@
 
 A robot on wheels follows several laws together: axles behind the joints, tyres that slip, bearings that resist. None of
 them may do much without the others, and then a search that adds one after another finds none. So all are fitted at
-once, from where they change nothing, and those that earn nothing are dropped. So many numbers mend any law's error, and
-are no names; whether they predict better, gaits that they were not fitted to say.
+once, from where they change nothing, and dropped one after another, each time the one without which the others, fitted
+again, are likeliest, errors of the law included. Several of them bound the same forces in their own ways (dry friction,
+a power of speed, tyres that slip): by what one takes away beside the others the wrong one would be dropped. So many
+numbers mend any law's error, and are no names; whether they predict better, gaits that they were not fitted to say.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.discrepancy import information_criterion
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, coordinates_of, fit
-from serpenoid.diagnose.inference.select import Selection, told, unclear
+from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, coordinates_of, fit, fit_guided
+from serpenoid.diagnose.inference.names import each_without
+from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.parallel import in_processes
 
 
 def laws_together(found: Selection) -> Fit | None:
     """The likelier of two fits, errors of the law included: beside what was found, and in its place; None where little
     is left, or one gait is all there is, or neither is likelier than what was found."""
-    motion, best = found.motion, found.settled
+    motion, null, best = found.motion, found.null, found.settled
     if not unclear(found.best) or len(set(motion.labels)) < 2:
         return None
-    whole = [c for c in (*best.effects, *laws_of_the_body(motion, best)) if of_the_body(c) and not c.effect.remembers]
-    placed = [e for e in best.effects if e not in whole]
-    tries = len(candidates_of(found.null))
-    fits = [best, *in_processes([(_together, (motion, best, e, tries)) for e in ([*placed, *whole], whole)])]
-    entire = [f for f in fits if f.evidence.count.sum() >= best.evidence.count.sum()]
-    likeliest = min(entire, key=lambda f: information_criterion(motion, f))
+    anew = _of_one_step(laws_of_the_body(motion, null))
+    beside = [*best.effects, *_of_one_step(laws_of_the_body(motion, best))]
+    begun = [_at_once(motion, null, anew), *([_at_once(motion, best, beside)] if best.effects else [])]
+    likeliest = _likeliest_of(best, [best, *(_likeliest(motion, f) for f in begun)], motion)
+    slow = [c for c in laws_of_the_body(motion, likeliest) if c.effect.remembers]
+    more = [_at_once(motion, likeliest, [*likeliest.effects, c]) for c in slow]
+    likeliest = _likeliest_of(best, [likeliest, *more], motion)
     return None if likeliest is best else likeliest
+
+
+def _of_one_step(effects: Sequence[ActiveEffect]) -> list[ActiveEffect]:
+    """Those that do not remember the steps before: about none of one that does, first order says little of it."""
+    return [c for c in effects if not c.effect.remembers]
+
+
+def _likeliest_of(best: Fit, fits: Sequence[Fit], motion: Motion) -> Fit:
+    """Of those that predict all windows that what was found does."""
+    entire = [f for f in fits if f.evidence.count.sum() >= best.evidence.count.sum()]
+    return min(entire, key=lambda f: information_criterion(motion, f))
 
 
 def laws_of_the_body(motion: Motion, base: Fit) -> list[ActiveEffect]:
@@ -41,7 +59,28 @@ def of_the_body(effect: ActiveEffect) -> bool:
     return effect.place is None and effect.effect.site == "medium" and not effect.effect.of_the_room
 
 
-def _together(motion: Motion, best: Fit, effects: list[ActiveEffect], tries: int) -> Fit:
-    """Effects fitted at once, without those that earn nothing."""
-    x = coordinates_of(best.model, effects)
-    return told(motion, fit(motion, best.model, effects, x, TO_THE_END, best.predictions), tries)
+def _at_once(motion: Motion, best: Fit, effects: list[ActiveEffect]) -> Fit:
+    """Effects fitted from where those that were not found change nothing."""
+    return fit(motion, best.model, effects, coordinates_of(best.model, effects), TO_THE_END, best.predictions)
+
+
+def _likeliest(motion: Motion, found: Fit) -> Fit:
+    """Of a fit and of those with fewer and fewer of its effects, the likeliest."""
+    passed = [found]
+    while found.effects:
+        found = _with_fewer(motion, found)
+        passed.append(found)
+    return min(passed, key=lambda f: information_criterion(motion, f))
+
+
+def _with_fewer(motion: Motion, found: Fit) -> Fit:
+    """Without the effect whose place the others take best; or without all whose place they take, if they take all."""
+    bases = each_without(motion, found)
+    own, each = information_criterion(motion, found), [information_criterion(motion, b) for b in bases]
+    least = int(np.argmin(each))
+    idle = [e for e, without in zip(found.effects, each, strict=True) if without < own]
+    if len(idle) > 1:
+        bare = _at_once(motion, found, [e for e in found.effects if e not in idle])
+        if information_criterion(motion, bare) < each[least]:
+            return bare
+    return fit_guided(motion, bases[least], TO_THE_END)
