@@ -23,18 +23,18 @@ from serpenoid.effects.active import ActiveEffect
 
 
 def laws_together(found: Selection) -> Fit | None:
-    """The likelier of two fits, errors of the law included: beside what was found, and in its place; None where little
-    is left, or one gait is all there is, or neither is likelier than what was found."""
-    motion, null, best = found.motion, found.null, found.settled
+    """The likeliest, errors of the law included, of what the search came by, named or not, and all laws of the body
+    beside it; None where little is left, or one gait is all there is, or what is settled is as likely."""
+    motion, best = found.motion, found.settled
     if not unclear(found.best) or len(set(motion.labels)) < 2:
         return None
-    anew = _of_one_step(laws_of_the_body(motion, null))
-    beside = [*best.effects, *_of_one_step(laws_of_the_body(motion, best))]
-    begun = [_at_once(motion, null, anew), *([_at_once(motion, best, beside)] if best.effects else [])]
-    likeliest = _likeliest_of(best, [best, *(_likeliest(motion, f) for f in begun)], motion)
+    come_by = found.refused[0].fit if found.refused else best
+    begun = _at_once(motion, come_by, _of_one_step([*come_by.effects, *laws_of_the_body(motion, come_by)]))
+    likeliest = _likeliest_of([best, come_by, *_fewer_and_fewer(motion, begun)], motion)
     slow = [c for c in laws_of_the_body(motion, likeliest) if c.effect.remembers]
-    more = [_at_once(motion, likeliest, [*likeliest.effects, c]) for c in slow]
-    likeliest = _likeliest_of(best, [likeliest, *more], motion)
+    likeliest = _likeliest_of(
+        [likeliest, *(_at_once(motion, likeliest, [*likeliest.effects, c]) for c in slow)], motion
+    )
     return None if likeliest is best else likeliest
 
 
@@ -43,9 +43,9 @@ def _of_one_step(effects: Sequence[ActiveEffect]) -> list[ActiveEffect]:
     return [c for c in effects if not c.effect.remembers]
 
 
-def _likeliest_of(best: Fit, fits: Sequence[Fit], motion: Motion) -> Fit:
-    """Of those that predict all windows that what was found does."""
-    entire = [f for f in fits if f.evidence.count.sum() >= best.evidence.count.sum()]
+def _likeliest_of(fits: Sequence[Fit], motion: Motion) -> Fit:
+    """Of those that predict all windows that the first does."""
+    entire = [f for f in fits if f.evidence.count.sum() >= fits[0].evidence.count.sum()]
     return min(entire, key=lambda f: information_criterion(motion, f))
 
 
@@ -59,18 +59,18 @@ def of_the_body(effect: ActiveEffect) -> bool:
     return effect.place is None and effect.effect.site == "medium" and not effect.effect.of_the_room
 
 
-def _at_once(motion: Motion, best: Fit, effects: list[ActiveEffect]) -> Fit:
+def _at_once(motion: Motion, best: Fit, effects: Sequence[ActiveEffect]) -> Fit:
     """Effects fitted from where those that were not found change nothing."""
     return fit(motion, best.model, effects, coordinates_of(best.model, effects), TO_THE_END, best.predictions)
 
 
-def _likeliest(motion: Motion, found: Fit) -> Fit:
-    """Of a fit and of those with fewer and fewer of its effects, the likeliest."""
+def _fewer_and_fewer(motion: Motion, found: Fit) -> list[Fit]:
+    """A fit, and one after another with fewer of its effects."""
     passed = [found]
     while found.effects:
         found = _with_fewer(motion, found)
         passed.append(found)
-    return min(passed, key=lambda f: information_criterion(motion, f))
+    return passed
 
 
 def _with_fewer(motion: Motion, found: Fit) -> Fit:
