@@ -111,3 +111,31 @@ def test_nobody_is_blamed_where_both_miss_nearly_as_much(healthy, monkeypatch, m
     assert re.match(SAID[misses], found.words)
     assert bool(found.words) == bool(SAID[misses])
     assert (found.recordings[0].shown is None) == (by_readings < by_shown)
+
+
+@pytest.mark.parametrize("others", [0, 1])
+def test_a_model_without_a_path_along_one_of_both_is_no_witness(healthy, monkeypatch, others):
+    """The next explanation of what was so already is asked; where there is none, nobody is believed."""
+    recordings, known = healthy
+
+    class Left:
+        def __init__(self, more: int) -> None:
+            self.more = more
+
+        def instead(self, trial: str) -> Left | None:
+            assert trial == recordings[0].name
+            return Left(self.more - 1) if self.more else None
+
+    def missed(by, baseline):
+        found = 1.0 if by.recordings[0].shown is None else 0.5
+        return np.inf if baseline.more == others and found < 1 else found
+
+    monkeypatch.setattr(refuted_by, "missed", missed)
+    body = recordings[0].body
+    stage = said_of(body.joint_count, range(JOINT, JOINT + 1))
+    left = Left(others)
+    left.without = known.without
+    found = shapes_believed(recordings, Observation.neutral(body), stage, left)
+    assert found.words.startswith("motion sides with the markers at joint 4" if others else "")
+    assert bool(found.words) == bool(others)
+    assert (found.recordings[0].shown is None) == (not others)

@@ -58,7 +58,9 @@ def shapes_believed(
         return read
     trials = [beyond(r, seen) for r in recordings]
     shown = by_markers(trials, seen, joints)
-    by_readings, by_shown = missed(read, baseline), missed(shown, baseline)
+    by_readings, by_shown = both_missed(read, shown, baseline)
+    if not np.isfinite([by_readings, by_shown]).all():
+        return read
     which = f"joint{'s' if len(joints) > 1 else ''} {listed([str(j + 1) for j in joints])}"
     off = f"a window is off by {1e3 * by_shown:.3g} mm by what markers show, by {1e3 * by_readings:.3g} mm by readings"
     if by_readings <= by_shown:
@@ -122,6 +124,14 @@ def bends(trial: Beyond, joints: Sequence[int]) -> Floats:
     some = list(joints)
     found[:, some] = trial.told[:, some] + bridged(trial.recording.time, trial.shown[:, some])
     return found
+
+
+def both_missed(read: Believed, shown: Believed, baseline: Baseline) -> tuple[float, float]:
+    """What the model of what is known misses of the motion by either shapes (`missed`), or, where it has no path along
+    one of them, the next explanation of what was so already; infinite where none has one along both."""
+    found = missed(read, baseline), missed(shown, baseline)
+    other = None if np.isfinite(found).all() else baseline.instead(read.recordings[0].name)
+    return found if other is None else both_missed(read, shown, other)
 
 
 @remembered
