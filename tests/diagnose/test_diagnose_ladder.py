@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
+import serpenoid.diagnose.stages.whole as whole_of
 from serpenoid.diagnose.data.observation import Observation
+from serpenoid.diagnose.data.tracks import NoPath
 from serpenoid.diagnose.diagnose import Diagnosis
 from serpenoid.diagnose.stages.ladder import Error
 from serpenoid.diagnose.stages.whole import whole_errors
@@ -45,3 +48,19 @@ def test_from_command_to_path_the_weak_joint_counts(diagnosed: Diagnosed) -> Non
     _, payload_alone = whole_errors(recordings, Observation.neutral(recordings[0].body), d.motion, [], [])
     assert payload_alone > 1.5 * whole.after
     assert whole.after == pytest.approx(motion.after, abs=0.3 * whole.noise_level)
+
+
+def test_where_the_model_has_no_path_along_raw_shapes_the_whole_is_judged_by_mended_ones(
+    diagnosed: Diagnosed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    d = diagnosed[0]
+    recordings = [t.recording for t in d.motion.selection.motion.tracks]
+    neutral = Observation.neutral(recordings[0].body)
+    off = replace(neutral, zeros=neutral.zeros + 1e-3)
+
+    def none(*given: object) -> None:
+        raise NoPath(recordings[0].name)
+
+    monkeypatch.setattr(whole_of, "make_tracks", none)
+    mended = whole_errors(recordings, neutral, d.motion, [], [])
+    assert whole_errors(recordings, off, d.motion, [], []) == mended

@@ -11,7 +11,7 @@ from serpenoid.diagnose.data.geometry import shapes
 from serpenoid.diagnose.data.observation import Observation
 from serpenoid.diagnose.data.paths import path_rms, total
 from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.data.tracks import NoPath, make_tracks
 from serpenoid.diagnose.data.windows import Prediction, Track, as_put, predicted_path
 from serpenoid.diagnose.stages.choose_motion import MotionFinding
 from serpenoid.diagnose.stages.set_points import corners
@@ -35,14 +35,21 @@ def whole_errors(
     """
     found = motion.selection
     tracks = found.motion.tracks
-    neutral = Observation.neutral(recordings[0].body)
-    raw = make_tracks(recordings, neutral, found.null.model) if seen.corrects else tracks
+    raw = _raw(recordings, found.null.model, tracks) if seen.corrects else tracks
     extended = _with(_with(found.best.model, known), actuators)
     jumps = any(n.effect.effect.marks == "jumps" for n in motion.stage.named)
     played = [r.schedule for r in recordings]
     before = [path_rms(t, from_command(_with(found.null.model, known), t, s)) for t, s in zip(raw, played, strict=True)]
     after = [path_rms(t, from_command(extended, t, s), jumps) for t, s in zip(tracks, played, strict=True)]
     return total(before), total(after)
+
+
+def _raw(recordings: Sequence[Recording], model: Model, mended: tuple[Track, ...]) -> tuple[Track, ...]:
+    """Tracks of what was recorded, nothing mended; the mended ones, where the model has no path along raw shapes."""
+    try:
+        return make_tracks(recordings, Observation.neutral(recordings[0].body), model)
+    except NoPath:
+        return mended
 
 
 def from_command(model: Model, track: Track, schedule: Schedule) -> Prediction:
