@@ -112,6 +112,7 @@ def test_two_points_are_told_why_three_are_the_least(tmp_path: Path) -> None:
         load_campaign_file(tmp_path)
 
 
+@pytest.mark.slow
 def test_what_a_film_of_a_body_at_rest_does_not_determine_has_no_value(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -142,6 +142,7 @@ def test_few_points_of_a_body_are_points_of_a_curve_and_no_joints_of_a_chain(tmp
     assert left < 1.4
 
 
+@pytest.mark.slow
 def test_many_close_points_tell_the_same_k_and_leave_their_noise(tmp_path: Path) -> None:
     """45 points, as trackers of worms give them, with a noise of a seventh of an edge: most of every joint angle."""
     time, points = Worm().film(2.5, count=45)

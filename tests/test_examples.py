@@ -66,6 +66,7 @@ def test_functions_survive_saving_and_momentum_vanishes_on_the_motion(
             np.testing.assert_array_equal(mine.full(), theirs.full())
 
 
+@pytest.mark.slow
 def test_torques_of_the_opened_nlp_do_the_work_that_is_dissipated_and_the_least_peak_is_certified() -> None:
     own = example("own_solver")
     problem = sp.load(own.PROBLEM, [*own.SET, "task.steps=80"])

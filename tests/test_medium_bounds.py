@@ -75,6 +75,7 @@ def test_a_model_file_keeps_the_bounds(tmp_path: Path) -> None:
     assert Medium.model_validate(read_model_file(tmp_path / "model.toml")["medium"]) == WATER
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("virtual_machine")
 def test_a_fit_to_the_lamprey_stops_at_the_bound_and_says_so() -> None:
     campaign = load_campaign(ROOT / "problems" / "campaigns" / "lamprey.toml")

@@ -303,6 +303,7 @@ def test_faults_in_objectives_name_their_place() -> None:
         load(path, ["task.bounds.sigma=[0.0, 1.0]"])
 
 
+@pytest.mark.slow
 def test_each_step_up_the_ladder_is_at_least_as_good_and_dissipates_no_more() -> None:
     wanted = problem("reference-optimum", "body.vertices=7", "task.c=0.5")
     climbed = climb(wanted, starts=3)

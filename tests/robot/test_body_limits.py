@@ -124,6 +124,7 @@ def test_a_table_beyond_the_range_of_one_joint_is_not_exported(tmp_path, limit, 
     assert said is None or said in done.stderr
 
 
+@pytest.mark.slow
 def test_summary_says_which_joint_bends_to_the_side_that_it_has_not(six, tmp_path):
     words = ["simulate", tmp_path / "six.toml", "--force", "--out", tmp_path / "out", "--set", "gait.a=3"]
     done = serpenoid(*words, "--set", "body.joint_limit_deg=[0, 60]")
