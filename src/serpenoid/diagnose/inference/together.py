@@ -11,6 +11,7 @@ numbers mend any law's error, and are no names; whether they predict better, gai
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -23,14 +24,15 @@ from serpenoid.effects.active import ActiveEffect
 
 
 def laws_together(found: Selection) -> Fit | None:
-    """The likeliest, errors of the law included, of what the search came by, named or not, and all laws of the body
-    beside it; None where little is left, or one gait is all there is, or what is settled is as likely."""
-    motion, best = found.motion, found.settled
+    """The likeliest fit, errors of the law included, of laws beside what was found and in its place; None where little
+    is left, or one gait is all there is, or none is likelier than what was found."""
+    motion, null, best = found.motion, found.null, found.settled
     if not unclear(found.best) or len(set(motion.labels)) < 2:
         return None
-    come_by = found.refused[0].fit if found.refused else best
-    begun = _at_once(motion, come_by, _of_one_step([*come_by.effects, *laws_of_the_body(motion, come_by)]))
-    likeliest = _likeliest_of([best, come_by, *_fewer_and_fewer(motion, begun)], motion)
+    anew = _of_one_step(laws_of_the_body(motion, null))
+    beside = [*best.effects, *_of_one_step(laws_of_the_body(motion, best))]
+    begun = [_at_once(motion, null, anew), *([_at_once(motion, best, beside)] if best.effects else [])]
+    likeliest = _likeliest_of([best, *chain.from_iterable(_fewer_and_fewer(motion, f) for f in begun)], motion)
     slow = [c for c in laws_of_the_body(motion, likeliest) if c.effect.remembers]
     likeliest = _likeliest_of(
         [likeliest, *(_at_once(motion, likeliest, [*likeliest.effects, c]) for c in slow)], motion
