@@ -30,18 +30,17 @@ def laws_together(found: Selection) -> Fit | None:
     if not unclear(found.best) or len(set(motion.labels)) < 2:
         return None
     anew = _of_one_step(laws_of_the_body(motion, null))
-    beside = [*best.effects, *_of_one_step(laws_of_the_body(motion, best))]
+    beside = _of_one_step([*best.effects, *laws_of_the_body(motion, best)])
     begun = [_at_once(motion, null, anew), *([_at_once(motion, best, beside)] if best.effects else [])]
     likeliest = _likeliest_of([best, *chain.from_iterable(_fewer_and_fewer(motion, f) for f in begun)], motion)
     slow = [c for c in laws_of_the_body(motion, likeliest) if c.effect.remembers]
-    likeliest = _likeliest_of(
-        [likeliest, *(_at_once(motion, likeliest, [*likeliest.effects, c]) for c in slow)], motion
-    )
+    more = [_at_once(motion, likeliest, [*likeliest.effects, c]) for c in slow]
+    likeliest = _likeliest_of([likeliest, *more], motion)
     return None if likeliest is best else likeliest
 
 
 def _of_one_step(effects: Sequence[ActiveEffect]) -> list[ActiveEffect]:
-    """Those that do not remember the steps before: about none of one that does, first order says little of it."""
+    """Those that do not remember the steps before: of one that does every fit takes many times as long."""
     return [c for c in effects if not c.effect.remembers]
 
 
