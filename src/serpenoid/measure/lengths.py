@@ -26,7 +26,6 @@ from serpenoid.measure.smooth import DEGREE, WINDOWS, cross_validated, smooth, s
 SURE = 3.0  # standard errors of a median: a body shorter by more than noise and this has its corners cut
 ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
 STRETCHED = 3.0  # times its median: no edge grows so long; a point is astray, and would be smeared over a window
-MIRRORS = np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])  # of drawn noise: a mirrored film has the same lengths
 OF_MEDIAN = 1.2533  # standard error of a median over that of a mean, of normal numbers
 
 
@@ -63,10 +62,9 @@ def _cuts_corners(body: Body, raw: Floats, smoothed: Floats, lengths: Floats) ->
     """Whether a body is shorter by lengths (F, N - 1) of smoothed points (F, N, 2) than by raw ones, by more than noise
     of the points lengthens those."""
     noise = float(np.median(_scatter(raw))) / np.sqrt(2)  # of one coordinate: an arc has two ends
-    drawn = noise * np.random.default_rng(0).normal(size=smoothed.shape)
-    noisy = [_middle(shown_lengths(body, smoothed + drawn * mirror)) for mirror in MIRRORS]
+    noisy = smoothed + noise * np.random.default_rng(0).normal(size=smoothed.shape)
     whole = raw.sum(axis=1)
-    shorter, by_noise = (middle - _middle(lengths) for middle in (_middle(raw), float(np.mean(noisy))))
+    shorter, by_noise = (_middle(each) - _middle(lengths) for each in (raw, shown_lengths(body, noisy)))
     error = OF_MEDIAN * float(_scatter(whole[:, None])[0]) / np.sqrt(len(whole))
     return shorter > by_noise + SURE * error
 
