@@ -24,6 +24,7 @@ Length = Annotated[float, Field(ge=LEAST, le=LONGEST)]  # metres, or any unit: s
 Weight = Annotated[float, Field(ge=LEAST, le=1e9)]
 BARE = 1e-6  # of the body's weight: a vertex that meets nothing, as a joint between two wheels
 ANIMALS = ("swimmer", "crawler")
+LONGEST_CYCLE_S = 600.0  # as robots are asked to play at most; what goes slower is asked about its unit
 # metres; sperm and bacteria to blue whales, nematodes to pythons; who is longer or shorter is asked about the unit
 PLAUSIBLE_M: dict[str | None, tuple[float, float]] = {
     "wheeled robot": (0.02, 20.0), "crawling robot": (0.02, 20.0), "swimming robot": (0.02, 20.0),

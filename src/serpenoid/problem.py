@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeA
 import numpy as np
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
-from serpenoid.body import Body
+from serpenoid.body import LONGEST_CYCLE_S, Body
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
 from serpenoid.files import schema
@@ -40,7 +40,6 @@ from serpenoid.objectives.term import Ask, Rows
 from serpenoid.wording import listed
 
 LEFT_OPEN = ("extended-model.toml", "diagnosis.json")  # what of a diagnosis tells the cases that a gait must serve
-LONGEST_CYCLE_S = 600.0  # as robots are asked to play at most; what goes slower is asked about its unit
 MOST_C = 1e6  # body lengths per unit of dissipation: beyond, moving is worth nothing
 MOST_POSITIONS = 5_000_000  # of vertices in one trajectory: 80 MB
 if TYPE_CHECKING:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterable, Sequence
 
 FEW = 4  # names that are read at a glance
@@ -33,6 +34,11 @@ def some_of(names: Sequence[str], every: Sequence[str], noun: str) -> str:
     if len(rest) < FEW:
         return f"all {counted(len(every), noun)} but {listed(rest)}"
     return f"{', '.join(names[: FEW - 1])} and {len(names) - FEW + 1} others"
+
+
+def meant(word: str, known: Iterable[str]) -> str:
+    """` Did you mean `close`?`; empty where none is."""
+    return "".join(f" Did you mean `{close}`?" for close in difflib.get_close_matches(word, list(known), n=1))
 
 
 def counted(number: int, noun: str) -> str:

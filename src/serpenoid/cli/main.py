@@ -7,7 +7,6 @@ or SIGTERM.
 from __future__ import annotations
 
 import argparse
-import difflib
 import errno
 import importlib
 import io
@@ -23,6 +22,7 @@ import serpenoid
 from serpenoid import interrupts
 from serpenoid.cli import log
 from serpenoid.errors import InputError, StopRequested
+from serpenoid.wording import meant
 
 # verb -> one line of help; the verb's module `serpenoid.cli.<verb>` has `configure(parser)` and `run(args) -> int`
 VERBS: dict[str, str] = {
@@ -108,9 +108,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     verb = next((word for word in words if not word.startswith("-")), None)
     if verb is not None and verb not in VERBS and words[0] == verb:
-        close = difflib.get_close_matches(verb, VERBS, n=1)
-        hint = f"Did you mean `{close[0]}`?" if close else f"Verbs: {', '.join(VERBS)}."
-        build_parser().error(f"argument VERB: there is no verb `{verb}`. {hint}")
+        hint = meant(verb, VERBS) or f" Verbs: {', '.join(VERBS)}."
+        build_parser().error(f"argument VERB: there is no verb `{verb}`.{hint}")
     parser = build_parser(verb)
     if empty := next((word for word in words if re.fullmatch(r"--[\w-]+=--", word)), None):
         parser.error(f"argument {empty[:-3]}: expected one argument")  # argparse would give an empty list

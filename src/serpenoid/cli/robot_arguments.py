@@ -7,12 +7,13 @@ import sys
 from pathlib import Path
 from typing import TextIO
 
+from serpenoid.body import LONGEST_CYCLE_S
 from serpenoid.errors import InputError
 from serpenoid.files.schema import load
 from serpenoid.robot.checks import Refusal, check_body, check_given, check_repetition, check_table, kept_by_one_cycle
 from serpenoid.robot.description import Robot
 from serpenoid.robot.plan import Plan, make_plan
-from serpenoid.robot.stated import LONGEST_CYCLE_S, SHORTEST_CYCLE_S
+from serpenoid.robot.stated import SHORTEST_CYCLE_S
 from serpenoid.robot.table import JointTable, read_table
 
 

@@ -29,6 +29,7 @@ DENSEST = 100  # times what it is packed to: recordings as text are packed to a 
 DEEPEST = 32  # sections within sections; what the package writes has 7
 CELL_CHARACTERS = 100_000
 GZIP, ZIP = b"\x1f\x8b", b"PK\x03\x04"
+MATLAB = b"MATLAB "  # whatever its files are called
 SHEETS = ("[Content_Types].xml", "mimetype")  # what archives hold that are spreadsheets: xlsx, ods
 BESIDE = re.compile(r"(.*/)?(__MACOSX/.*|\..*|.*/)")  # what archives hold beside their files
 SPREADSHEET = "a spreadsheet (xlsx, ods) or another zip archive"
@@ -38,7 +39,7 @@ FTYP = slice(4, 8)  # where MP4 and QuickTime have that word
 NO_TEXT = {
     ZIP: f"{SPREADSHEET}. Save the sheet as CSV in UTF-8, or unpack it",
     b"\xd0\xcf\x11\xe0": "an old spreadsheet (xls), or one with a password. Save the sheet as CSV in UTF-8",
-    b"MATLAB ": 'one of MATLAB\'s: is `format = "array"` meant?',
+    MATLAB: 'one of MATLAB\'s: is `format = "array"` meant?',
     b"\x02P": 'a C3D file: is `format = "c3d"` meant?',
     b"<?xml": 'one of XML: of TrackMate, `format = "trackmate"`. Of others export a table of points as CSV',
     b"PAR1": "a table of Parquet. Save it as CSV",
@@ -109,9 +110,8 @@ def read_text(path: str | Path, most: int = SETTINGS_BYTES) -> str:
     if "\0" in text:
         cure = " Is it text in UTF-16 or UTF-32? Save it as UTF-8." if text.count("\0") >= len(text) // 3 else ""
         raise InputError(f"{path}: not a text file (a zero byte at character {text.index(chr(0))}).{cure}")
-    return text.lstrip("\ufeff").replace(
-        "\r\r\n", "\n"
-    )  # of a program that ends lines itself, in a file that ends them once more
+    # two ends of a line: of a program that ends lines itself, in a file that ends them once more
+    return text.lstrip("\ufeff").replace("\r\r\n", "\n")
 
 
 def begins(path: str | Path, mark: bytes) -> bool:

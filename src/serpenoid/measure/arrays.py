@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from serpenoid.errors import InputError
-from serpenoid.files.inputs import RECORDING_BYTES, read_bytes
+from serpenoid.files.inputs import MATLAB, RECORDING_BYTES, begins, read_bytes
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.child import MAT_ARRAYS, read_in_child
 from serpenoid.measure.matlab import OF_IDTRACKER, TRAJECTORIES, read_mat
@@ -18,7 +18,6 @@ from serpenoid.measure.tracks import Tracks, no_time, upright
 
 AXES = 3
 LEAST = 4  # frames and points, from which they can be told apart
-BY_MATLAB = b"MATLAB "  # what its files begin with, whatever they are called
 UNLIKE = 4.0  # times as much do distances vary that are no edges of a body
 KEPT = ", whose distances stay the same from frame to frame far better if frames are points"
 STRUCTURE = re.compile(r"`(.*)` \(struct: (.*)\)")
@@ -31,7 +30,7 @@ def read_array(path: str | Path, timing: Timing) -> Tracks:
     """An .npz or .mat with `points` (F, N, 2), or `x` and `y` (F, N); `t_s` (F,), or `frame` and a frame rate; an .npy
     with points alone."""
     path = Path(path)
-    by_matlab = path.suffix.lower() == ".mat" or read_bytes(path, RECORDING_BYTES).startswith(BY_MATLAB)
+    by_matlab = path.suffix.lower() == ".mat" or begins(path, MATLAB)
     arrays, others = read_mat(path) if by_matlab else (read_npz(path), [])
     points, apart = arrays.get("points"), "points" not in arrays
     if apart and {"x", "y"} <= set(arrays) and arrays["x"].shape == arrays["y"].shape:

@@ -6,7 +6,6 @@ edge lengths and whose path it continues; what matches nothing is left out and r
 
 from __future__ import annotations
 
-import difflib
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,7 +15,7 @@ import numpy as np
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, listed
 from serpenoid.measure.tracks import Tracks
-from serpenoid.wording import counted
+from serpenoid.wording import counted, meant
 
 GATE = 0.35  # of the median edge: farther from where its path leads, a point is not this vertex
 EDGE_TOLERANCE = 0.15  # of an edge: marker noise and loose tape stay well inside, the next vertex well outside
@@ -95,11 +94,9 @@ def _refuse_misspelt(tracks: Tracks, named: tuple[str, ...], others: tuple[str, 
     missing = [name for name in named if name not in tracks.names]
     if not missing or not others:
         return
-    close = difflib.get_close_matches(missing[0], others, n=1)
-    hint = f" Did you mean `{close[0]}`?" if close else ""
     raise InputError(
         f"{tracks.source}: `markers` in [motion] names {', '.join(f'`{name}`' for name in missing)}, not in this file, "
-        f"which has {', '.join(f'`{name}`' for name in others[:8])} for no vertex.{hint}"
+        f"which has {', '.join(f'`{name}`' for name in others[:8])} for no vertex.{meant(missing[0], others)}"
         f"{_subjects(others, named)}"
     )
 

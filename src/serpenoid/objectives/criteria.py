@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
-from difflib import get_close_matches
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
@@ -21,6 +20,7 @@ from serpenoid.errors import InputError
 from serpenoid.objectives.checked import expression as checked
 from serpenoid.objectives.checked import interval, scalar
 from serpenoid.objectives.frames import composed, place, placed
+from serpenoid.wording import meant
 
 NOWHERE = 1e-180  # body lengths^2: far below rounding; its power -3/2, in second derivatives, is finite
 NEAR = 1e-6  # body lengths: less than any mesh can tell
@@ -122,9 +122,8 @@ class Criteria:
         names = [own for own in dir(self) if not own.startswith("_")]
         if name in names:  # methods and what is made of the symbols
             return UnknownName(f"criteria: `{name}` cannot be set. Ask by minimise(...) or subject_to(...).")
-        close = get_close_matches(name, names, n=1)
-        hint = f"Did you mean `{close[0]}`?" if close else f"There are {', '.join(names)}."
-        return UnknownName(f"criteria: there is no `{name}`. {hint}")
+        hint = meant(name, names) or f" There are {', '.join(names)}."
+        return UnknownName(f"criteria: there is no `{name}`.{hint}")
 
     @cached_property
     def known(self) -> set[int]:

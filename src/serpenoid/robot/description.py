@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, ValidationInfo, field_validator, model_validator
 
+from serpenoid.body import LONGEST_CYCLE_S
 from serpenoid.files.schema import Name, Record
 from serpenoid.robot.models import DEFAULT, ServoModel, models
-from serpenoid.robot.stated import LONGEST_CYCLE_S, SHORTEST_CYCLE_S
+from serpenoid.robot.stated import SHORTEST_CYCLE_S
 from serpenoid.wording import counted
 
 

@@ -11,12 +11,13 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from serpenoid.body import LONGEST_CYCLE_S
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import read_json
 from serpenoid.joint_range import JointLimit, Limit, limit_words
 from serpenoid.wording import counted, listed
 
-SHORTEST_CYCLE_S, LONGEST_CYCLE_S = 0.001, 600.0
+SHORTEST_CYCLE_S = 0.001
 RESULTS = "solution.json"
 RECORDS = RESULTS, "play.json"
 NEEDED = "cycle_duration_s", "transient"  # the first may be null: nobody says

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import shlex
 import shutil
@@ -18,6 +17,7 @@ from serpenoid.measure.readers import READERS
 from serpenoid.measure.tracks import NoTime, Tracks
 from serpenoid.measure.trial_files import check_frames
 from serpenoid.scaffold.questions import Answers, Question, existing, named, one_of, or_empty, words
+from serpenoid.wording import meant
 
 FILM = Question("film", "Track file of an animal, the first trial (empty: a robot)", "", existing)
 OF_A_FILM = (
@@ -123,9 +123,9 @@ def _in_order(wanted: tuple[str, ...], there: list[str], first_point: str) -> li
     """Points as they were asked for, tail first; InputError where the film has them not, or names say the contrary."""
     strange = next((name for name in wanted if name not in there), None)
     if strange is not None:
-        close = difflib.get_close_matches(strange, there, n=1)
-        hint = f" Did you mean `{close[0]}`?" if close else ""
-        raise InputError(f"--markers: the film has no point `{strange}`; it has {', '.join(there)}.{hint}")
+        raise InputError(
+            f"--markers: the film has no point `{strange}`; it has {', '.join(there)}.{meant(strange, there)}"
+        )
     ends = [_ends_of(name) for name in (wanted[0], wanted[-1])]
     if first_point == "head" or ends == [{"head"}, {"tail"}]:
         turned = ",".join(wanted[::-1])

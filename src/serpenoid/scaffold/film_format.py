@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.errors import InputError
-from serpenoid.files.inputs import begins
-from serpenoid.measure.arrays import BY_MATLAB
+from serpenoid.files.inputs import MATLAB, begins
 from serpenoid.measure.cells import read_rows
 from serpenoid.measure.hdf5_files import hdf5, inside, is_hdf5
 from serpenoid.measure.matlab import OF_IDTRACKER, TRAJECTORIES, read_mat
@@ -36,7 +35,7 @@ def format_of(film: Path) -> str:
     end = next((end for end in reversed(film.suffixes) if end.lower() not in PACKED), "").lower()
     if end in BY_SUFFIX:
         return BY_SUFFIX[end]
-    if end == ".mat" or begins(film, BY_MATLAB):
+    if end == ".mat" or begins(film, MATLAB):
         return "qualisys" if any("Trajectories" in said for said in read_mat(film)[1]) else "array"
     if end == ".npz":
         return "trex" if POSTURE.search(film.read_bytes()) else "array"

@@ -7,11 +7,11 @@ from math import ceil, radians
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from serpenoid.body import LONGEST_CYCLE_S
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_text
 from serpenoid.joint_range import as_pair, limit_words, range_words
 from serpenoid.robot.models import DEFAULT, ServoModel, models
-from serpenoid.robot.stated import LONGEST_CYCLE_S
 from serpenoid.scaffold.json_schema import write_schema
 from serpenoid.scaffold.questions import (
     ONE_SIDED,

@@ -12,8 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import chain
-
-import numpy as np
+from typing import NamedTuple
 
 from serpenoid.diagnose.data.motion import Motion
 from serpenoid.diagnose.inference.discrepancy import information_criterion
@@ -21,6 +20,14 @@ from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, 
 from serpenoid.diagnose.inference.names import each_without
 from serpenoid.diagnose.inference.select import Selection, unclear
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.parallel import in_processes
+
+
+class _Judged(NamedTuple):
+    """A fit and its information criterion, errors of the law included: the likeliest has the least."""
+
+    fit: Fit
+    criterion: float
 
 
 def laws_together(found: Selection) -> Fit | None:
@@ -29,14 +36,15 @@ def laws_together(found: Selection) -> Fit | None:
     motion, null, best = found.motion, found.null, found.settled
     if not unclear(found.best) or len(set(motion.labels)) < 2:
         return None
-    anew = _of_one_step(laws_of_the_body(motion, null))
-    beside = _of_one_step([*best.effects, *laws_of_the_body(motion, best)])
-    begun = [_at_once(motion, null, anew), *([_at_once(motion, best, beside)] if best.effects else [])]
-    likeliest = _likeliest_of([best, *chain.from_iterable(_fewer_and_fewer(motion, f) for f in begun)], motion)
-    slow = [c for c in laws_of_the_body(motion, likeliest) if c.effect.remembers]
-    more = [_at_once(motion, likeliest, [*likeliest.effects, c]) for c in slow]
-    likeliest = _likeliest_of([likeliest, *more], motion)
-    return None if likeliest is best else likeliest
+    begun = [(null, _of_one_step(laws_of_the_body(motion, null)))]
+    if best.effects:
+        begun.append((best, _of_one_step([*best.effects, *laws_of_the_body(motion, best)])))
+    ended = in_processes([(_fewer_and_fewer, (motion, base, effects)) for base, effects in begun])
+    likeliest = _likeliest_of([_judged(motion, best), *chain.from_iterable(ended)])
+    slow = [c for c in laws_of_the_body(motion, likeliest.fit) if c.effect.remembers]
+    more = in_processes([(_judged_at_once, (motion, likeliest.fit, [*likeliest.fit.effects, c])) for c in slow])
+    likeliest = _likeliest_of([likeliest, *more])
+    return None if likeliest.fit is best else likeliest.fit
 
 
 def _of_one_step(effects: Sequence[ActiveEffect]) -> list[ActiveEffect]:
@@ -44,10 +52,14 @@ def _of_one_step(effects: Sequence[ActiveEffect]) -> list[ActiveEffect]:
     return [c for c in effects if not c.effect.remembers]
 
 
-def _likeliest_of(fits: Sequence[Fit], motion: Motion) -> Fit:
+def _judged(motion: Motion, fitted: Fit) -> _Judged:
+    return _Judged(fitted, information_criterion(motion, fitted))
+
+
+def _likeliest_of(several: Sequence[_Judged]) -> _Judged:
     """Of those that predict all windows that the first does."""
-    entire = [f for f in fits if f.evidence.count.sum() >= fits[0].evidence.count.sum()]
-    return min(entire, key=lambda f: information_criterion(motion, f))
+    least = several[0].fit.evidence.count.sum()
+    return min((j for j in several if j.fit.evidence.count.sum() >= least), key=lambda j: j.criterion)
 
 
 def laws_of_the_body(motion: Motion, base: Fit) -> list[ActiveEffect]:
@@ -65,23 +77,25 @@ def _at_once(motion: Motion, best: Fit, effects: Sequence[ActiveEffect]) -> Fit:
     return fit(motion, best.model, effects, coordinates_of(best.model, effects), TO_THE_END, best.predictions)
 
 
-def _fewer_and_fewer(motion: Motion, found: Fit) -> list[Fit]:
-    """A fit, and one after another with fewer of its effects."""
-    passed = [found]
-    while found.effects:
-        found = _with_fewer(motion, found)
-        passed.append(found)
+def _judged_at_once(motion: Motion, best: Fit, effects: Sequence[ActiveEffect]) -> _Judged:
+    return _judged(motion, _at_once(motion, best, effects))
+
+
+def _fewer_and_fewer(motion: Motion, base: Fit, effects: Sequence[ActiveEffect]) -> list[_Judged]:
+    """Effects fitted at once, and one after another with fewer of them."""
+    passed = [_judged_at_once(motion, base, effects)]
+    while passed[-1].fit.effects:
+        passed.append(_with_fewer(motion, passed[-1]))
     return passed
 
 
-def _with_fewer(motion: Motion, found: Fit) -> Fit:
+def _with_fewer(motion: Motion, found: _Judged) -> _Judged:
     """Without the effect whose place the others take best; or without all whose place they take, if they take all."""
-    bases = each_without(motion, found)
-    own, each = information_criterion(motion, found), [information_criterion(motion, b) for b in bases]
-    least = int(np.argmin(each))
-    idle = [e for e, without in zip(found.effects, each, strict=True) if without < own]
+    each = [_judged(motion, base) for base in each_without(motion, found.fit)]
+    least = min(each, key=lambda j: j.criterion)
+    idle = {e.key for e, without in zip(found.fit.effects, each, strict=True) if without.criterion < found.criterion}
     if len(idle) > 1:
-        bare = _at_once(motion, found, [e for e in found.effects if e not in idle])
-        if information_criterion(motion, bare) < each[least]:
+        bare = _judged_at_once(motion, found.fit, [e for e in found.fit.effects if e.key not in idle])
+        if bare.criterion < least.criterion:
             return bare
-    return fit_guided(motion, bases[least], TO_THE_END)
+    return _judged(motion, fit_guided(motion, least.fit, TO_THE_END))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -57,6 +58,7 @@ from serpenoid.wording import NOT_NAMED
 GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
 TOLD = 0.01  # of what is left: refused effects that would take less are not spoken of
 
+Found = TypeVar("Found")
 Searched = Callable[[Selection], None]  # hears what is named and why, before its rivals and intervals are known
 
 
@@ -136,7 +138,7 @@ def choose_on_tracks(
     return replace(found, stage=stage, baseline=baseline)
 
 
-def with_a_path(baseline: Baseline, beside: Callable[[Baseline], Selection]) -> tuple[Selection, Baseline]:
+def with_a_path(baseline: Baseline, beside: Callable[[Baseline], Found]) -> tuple[Found, Baseline]:
     """What is found beside a baseline, or, where its model has no path, beside the next explanation of what was so
     already. Raises NoPath where none has one."""
     try:

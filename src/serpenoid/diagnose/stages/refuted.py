@@ -25,7 +25,7 @@ from serpenoid.diagnose.inference.finding import VISIBLE, Named, Stage
 from serpenoid.diagnose.inference.law_error import LAW_ERROR
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.beyond_readings import Beyond, beyond
-from serpenoid.diagnose.stages.choose_motion import eps_alone
+from serpenoid.diagnose.stages.choose_motion import eps_alone, with_a_path
 from serpenoid.diagnose.stages.elastic import elastic
 from serpenoid.diagnose.stages.play_under_load import play_under_load
 from serpenoid.files.store import remembered
@@ -58,8 +58,9 @@ def shapes_believed(
         return read
     trials = [beyond(r, seen) for r in recordings]
     shown = by_markers(trials, seen, joints)
-    by_readings, by_shown = both_missed(read, shown, baseline)
-    if not np.isfinite([by_readings, by_shown]).all():
+    try:
+        (by_readings, by_shown), _ = with_a_path(baseline, lambda known: (missed(read, known), missed(shown, known)))
+    except NoPath:
         return read
     which = f"joint{'s' if len(joints) > 1 else ''} {listed([str(j + 1) for j in joints])}"
     off = f"a window is off by {1e3 * by_shown:.3g} mm by what markers show, by {1e3 * by_readings:.3g} mm by readings"
@@ -126,20 +127,10 @@ def bends(trial: Beyond, joints: Sequence[int]) -> Floats:
     return found
 
 
-def both_missed(read: Believed, shown: Believed, baseline: Baseline) -> tuple[float, float]:
-    """What the model of what is known misses of the motion by either shapes (`missed`), or, where it has no path along
-    one of them, the next explanation of what was so already; infinite where none has one along both."""
-    found = missed(read, baseline), missed(shown, baseline)
-    other = None if np.isfinite(found).all() else baseline.instead(read.recordings[0].name)
-    return found if other is None else both_missed(read, shown, other)
-
-
 @remembered
 def missed(by: Believed, baseline: Baseline) -> float:
-    """RMS [m] of what the model of what is known misses of a window's way, with eps fitted; infinite without a path."""
-    try:
-        motion, fit = eps_alone(tracker(by.recordings, by.seen), held_out_labels(by.recordings), baseline, None)
-    except NoPath:
-        return np.inf
+    """RMS [m] of what the model of what is known misses of a window's way, with eps fitted. Raises NoPath where it has
+    no path along these shapes."""
+    motion, fit = eps_alone(tracker(by.recordings, by.seen), held_out_labels(by.recordings), baseline, None)
     squares = np.concatenate(residuals(motion.tracks, fit.predictions)) ** 2
     return way(by.recordings[0].body, np.nanmean(squares, axis=0))
