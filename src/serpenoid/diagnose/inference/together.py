@@ -6,6 +6,7 @@ once, from where they change nothing, and dropped one after another, each time t
 again, are likeliest, errors of the law included. Several of them bound the same forces in their own ways (dry friction,
 a power of speed, tyres that slip): by what one takes away beside the others the wrong one would be dropped. So many
 numbers mend any law's error, and are no names; whether they predict better, gaits that they were not fitted to say.
+The laws by which a robot moved already are its reference's: beside one none is looked for.
 """
 
 from __future__ import annotations
@@ -32,9 +33,9 @@ class _Judged(NamedTuple):
 
 def laws_together(found: Selection) -> Fit | None:
     """The likeliest fit, errors of the law included, of laws beside what was found and in its place; None where little
-    is left, or one gait is all there is, or none is likelier than what was found."""
+    is left, or one gait is all there is, or there is a reference, or none is likelier than what was found."""
     motion, null, best = found.motion, found.null, found.settled
-    if not unclear(found.best) or len(set(motion.labels)) < 2:
+    if not unclear(found.best) or len(set(motion.labels)) < 2 or motion.ratio is not None:
         return None
     begun = [(null, _of_one_step(laws_of_the_body(motion, null)))]
     if best.effects:
