@@ -1,6 +1,6 @@
 """What the constants of hard problems are worth: how a search is approached, and what it watches beside obstacles.
 
-Every constant of `optimise/easier.py` and `optimise/watch.py` at its value and at others, the rest as they are: the
+Every constant of `optimise/easier.py`, `optimise/clear/watch.py` at its value and others, the rest as they are: the
 reach problem for the rows of the rough table, dry ground for softer friction, the disc obstacle for what is watched;
 for ellipses the rows that carry limits at first; and how many iterations IPOPT looks ahead, for free gaits that keep
 off themselves or stay in a corridor. A seed counts as certified as in `free_gaits.py`. Ratios are of processor seconds
@@ -18,9 +18,11 @@ from unittest.mock import patch
 import numpy as np
 from bench import clock, report, table
 
-from serpenoid.optimise import easier, ipopt, prepared, watch
+from serpenoid.optimise import easier, ipopt
+from serpenoid.optimise.clear import watch
 from serpenoid.optimise.multistart import as_solution
-from serpenoid.optimise.prepared import Carried, PreparedNLPs
+from serpenoid.optimise.program import prepared
+from serpenoid.optimise.program.prepared import Carried, PreparedNLPs
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.optimise.starts import random_gaits

@@ -23,17 +23,17 @@ from arena_discrepancy import CREEP, Floats, Law
 from arena.any_robot import Drawn, draw, hidden_of, play
 from arena.hidden import Hidden
 from serpenoid.body import Body
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import held_out_labels
-from serpenoid.diagnose.data.repeats import by_setting
-from serpenoid.diagnose.data.tracks import tracker
-from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.repeats import by_setting
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import held_out_labels
+from serpenoid.diagnose.data.windows.tracks import tracker
+from serpenoid.diagnose.data.windows.windows import Prediction, Track
 from serpenoid.diagnose.diagnose import choose_observation
-from serpenoid.diagnose.inference.select import calibrated
+from serpenoid.diagnose.inference.search.select import calibrated
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_motion import eps_alone
+from serpenoid.diagnose.stages.motion.choose_motion import eps_alone
 from serpenoid.diagnose.start import baseline
 
 CASES = (

@@ -15,18 +15,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from serpenoid.diagnose.data.geometry import turn
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import residuals
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.paths import path_error
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.noise import residuals
+from serpenoid.diagnose.data.noise.paths import path_error
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.shapes.geometry import turn
+from serpenoid.diagnose.data.windows.tracks import make_tracks
+from serpenoid.diagnose.data.windows.windows import Prediction, Track
 from serpenoid.diagnose.diagnose import choose_observation
-from serpenoid.diagnose.inference.medium import fit_eps
-from serpenoid.diagnose.inference.select import calibrated
-from serpenoid.diagnose.stages.choose_motion import GUESS
+from serpenoid.diagnose.inference.fits.medium import fit_eps
+from serpenoid.diagnose.inference.search.select import calibrated
+from serpenoid.diagnose.stages.motion.choose_motion import GUESS
 from serpenoid.diagnose.start import baseline
 from serpenoid.group import accumulate, relative
 

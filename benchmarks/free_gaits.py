@@ -32,7 +32,7 @@ from scipy.sparse.linalg import splu
 
 from serpenoid.gaits import TableGait
 from serpenoid.optimise.multistart import as_solution
-from serpenoid.optimise.prepared import Carried
+from serpenoid.optimise.program.prepared import Carried
 from serpenoid.optimise.solve import solve
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.optimise.starts import random_gaits

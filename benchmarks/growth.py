@@ -9,9 +9,9 @@ from bench import clock, empty_cache, exponent, in_units, report, side_by_side, 
 
 from serpenoid.mechanics import columns
 from serpenoid.mechanics.tables import joint_tables
-from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.optimise.starts import random_gaits
+from serpenoid.optimise.step.serpenoid_blocks import SerpenoidBlocks
 from serpenoid.problem import Problem
 from serpenoid.simulation import simulate_batch
 from specimens import problem

@@ -17,9 +17,9 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation
-from serpenoid.diagnose.stages.choose_set_points import plays
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.stages.actuation.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
 
 HERTZ, SEEDS, SETTINGS = (20.0, 40.0), (11, 12, 13), 4
 LABELS = ("phase", "cycle", "step")

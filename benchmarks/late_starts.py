@@ -15,8 +15,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from serpenoid.diagnose.data import course as courses
-from serpenoid.diagnose.data.course import Course, Readings
+from serpenoid.diagnose.data.shapes import course as courses
+from serpenoid.diagnose.data.shapes.course import Course, Readings
 
 TRIALS = 60
 MESH = 24  # moments a row

@@ -14,9 +14,9 @@ from scipy.optimize import differential_evolution, minimize
 
 from optimise.test_global_search import Objective
 from serpenoid.mechanics import columns
-from serpenoid.optimise.serpenoid_blocks import SerpenoidBlocks
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.optimise.starts import random_gaits
+from serpenoid.optimise.step.serpenoid_blocks import SerpenoidBlocks
 from specimens import oracle_run, problem
 
 STARTS, SEED, CLOSE = 30, 0, 1e-6

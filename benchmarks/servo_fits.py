@@ -23,12 +23,12 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual
-from serpenoid.diagnose.data import beside_course
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.stages.actuation_refit import refined
-from serpenoid.diagnose.stages.actuation_search import Played
-from serpenoid.diagnose.stages.plays import Plays
-from serpenoid.diagnose.stages.set_points import by_table
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.shapes import beside_course
+from serpenoid.diagnose.stages.actuation.actuation_refit import refined
+from serpenoid.diagnose.stages.actuation.actuation_search import Played
+from serpenoid.diagnose.stages.actuation.plays import Plays
+from serpenoid.diagnose.stages.actuation.set_points import by_table
 from serpenoid.effects.active import ActiveEffect
 
 SEED, GAITS, ROUNDS, WITH_A_GAP = 11, 3, 3, (1, 4, 7, 10)

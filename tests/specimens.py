@@ -13,11 +13,11 @@ from serpenoid.body import Body, Floats
 from serpenoid.gaits import EllipseGait, Gait
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.optimise import motion_law
 from serpenoid.optimise.asked import Customise, asked
-from serpenoid.optimise.between import GapField
-from serpenoid.optimise.transcription import GaitNLP
-from serpenoid.optimise.watch import Watch, Watched, every_vertex
+from serpenoid.optimise.clear.between import GapField
+from serpenoid.optimise.clear.watch import Watch, Watched, every_vertex
+from serpenoid.optimise.program.transcription import GaitNLP
+from serpenoid.optimise.step import motion_law
 from serpenoid.problem import Problem, Task, load
 from serpenoid.trajectory import Trajectory
 

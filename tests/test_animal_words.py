@@ -13,8 +13,8 @@ import serpenoid as sp
 from serpenoid.cli.main import main
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import load_campaign_file
+from serpenoid.measure.formats.trackers import Timing, read_deeplabcut
 from serpenoid.measure.load import load_campaign
-from serpenoid.measure.trackers import Timing, read_deeplabcut
 from specimens import animal_campaign
 
 ROOT = Path(__file__).resolve().parents[1]

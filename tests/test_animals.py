@@ -16,11 +16,11 @@ from serpenoid.compare.calibrate import anisotropy, drag_ratio
 from serpenoid.compare.likelihood import fit
 from serpenoid.compare.segments import trial_segments
 from serpenoid.compare.start import neutral_model
-from serpenoid.diagnose.data.memory import Memory
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import window_noise
-from serpenoid.diagnose.data.paths import path_noise
-from serpenoid.diagnose.data.shapes_from_points import States
+from serpenoid.diagnose.data.noise.memory import Memory
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.noise import window_noise
+from serpenoid.diagnose.data.noise.paths import path_noise
+from serpenoid.diagnose.data.shapes.shapes_from_points import States
 from serpenoid.diagnose.data.tracked import (
     MOST_WINDOWS,
     WINDOWS_PER_PERIOD,
@@ -33,9 +33,9 @@ from serpenoid.diagnose.data.tracked import (
     tracker,
 )
 from serpenoid.diagnose.data.untestable import not_on_offer
-from serpenoid.diagnose.data.windows import predictions
-from serpenoid.diagnose.inference.finding import Named
-from serpenoid.diagnose.stages.choose_motion import amid_points
+from serpenoid.diagnose.data.windows.windows import predictions
+from serpenoid.diagnose.inference.fits.finding import Named
+from serpenoid.diagnose.stages.motion.stand_ins import amid_points
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import catalogue, find
 from serpenoid.errors import InputError

@@ -11,8 +11,8 @@ import serpenoid as sp
 from serpenoid.compare.calibrate import calibrate
 from serpenoid.compare.parameters import bounds
 from serpenoid.diagnose.data.untestable import beyond_bounds
-from serpenoid.diagnose.inference.bounds import held_at_bounds
-from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.diagnose.inference.fits.bounds import held_at_bounds
+from serpenoid.diagnose.inference.fits.evidence import Evidence
 from serpenoid.diagnose.start import at_middles, baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError

@@ -22,7 +22,7 @@ from serpenoid.cli.main import main
 from serpenoid.files.alone import alone
 from serpenoid.files.schema import load as load_file
 from serpenoid.measure.campaign import load_campaign_file, read_motion
-from serpenoid.measure.columns import SECONDS
+from serpenoid.measure.formats.columns import SECONDS
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trial_files import read_files
 from serpenoid.measure.write import write_motive

@@ -10,8 +10,8 @@ if TYPE_CHECKING:
 
     from serpenoid.mechanics.opened import step_functions
     from serpenoid.objectives import Criteria
-    from serpenoid.optimise.nlp import gait_nlp, nlp_arguments
     from serpenoid.optimise.own import certify_table
+    from serpenoid.optimise.program.nlp import gait_nlp, nlp_arguments
     from serpenoid.optimise.solve import improve, solve, solve_from
     from serpenoid.problem import Problem, load
     from serpenoid.results import write_simulation, write_solution
@@ -40,8 +40,8 @@ _PUBLIC = {
     "solve_from": "serpenoid.optimise.solve",
     "improve": "serpenoid.optimise.solve",
     "Criteria": "serpenoid.objectives",
-    "gait_nlp": "serpenoid.optimise.nlp",
-    "nlp_arguments": "serpenoid.optimise.nlp",
+    "gait_nlp": "serpenoid.optimise.program.nlp",
+    "nlp_arguments": "serpenoid.optimise.program.nlp",
     "certify_table": "serpenoid.optimise.own",
     "step_functions": "serpenoid.mechanics.opened",
     "sweep": "serpenoid.studies.sweep",

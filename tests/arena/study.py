@@ -24,7 +24,7 @@ from blind import table
 from blind.study import commit
 from serpenoid.arena.campaign import run_campaign
 from serpenoid.arena.protocol import load_protocol
-from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recordings.reading import read_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
 from serpenoid.diagnose.reference import Reference, reference_of, summary
 from serpenoid.diagnose.report.write import write

@@ -13,12 +13,12 @@ from serpenoid.arena.protocol import load_protocol
 from serpenoid.arena.trial import plans
 from serpenoid.body import Body
 from serpenoid.cli.main import main
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.recordings.reading import read_recordings
 from serpenoid.diagnose.diagnose import Diagnosis
-from serpenoid.diagnose.inference.laws import on_rival
+from serpenoid.diagnose.inference.doubt.laws import on_rival
 from serpenoid.diagnose.reference import reference_of
-from serpenoid.diagnose.stages.choose_observation import choose_observation
+from serpenoid.diagnose.stages.observation.choose_observation import choose_observation
 from serpenoid.media import LAWS
 from serpenoid.medium import Medium
 from serpenoid.model import Model

@@ -29,16 +29,16 @@ from blind.folder import write
 from blind.score import REQUIRED, Name
 from blind.strength import strength
 from blind.study import Study, commit
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.inference.finding import Named, Stage
-from serpenoid.diagnose.stages.actuation_search import Played
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.inference.fits.finding import Named, Stage
+from serpenoid.diagnose.stages.actuation.actuation_search import Played
+from serpenoid.diagnose.stages.actuation.choose_actuation import _law_error
+from serpenoid.diagnose.stages.actuation.expected import carried
+from serpenoid.diagnose.stages.actuation.plays import Plays
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_actuation import _law_error
-from serpenoid.diagnose.stages.choose_observation import choose_observation
-from serpenoid.diagnose.stages.expected import carried
-from serpenoid.diagnose.stages.plays import Plays
-from serpenoid.diagnose.stages.witness import of_servos
+from serpenoid.diagnose.stages.observation.choose_observation import choose_observation
+from serpenoid.diagnose.stages.observation.witness import of_servos
 from serpenoid.errors import InputError
 from serpenoid.medium import Medium
 from serpenoid.model import Model

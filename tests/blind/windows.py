@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.stages.choose_motion import GUESS
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.windows.tracks import make_tracks
+from serpenoid.diagnose.stages.motion.choose_motion import GUESS
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 

@@ -10,8 +10,8 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write as write_campaign
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
 from serpenoid.diagnose.report.write import write
 from serpenoid.diagnose.stages.baseline import Baseline

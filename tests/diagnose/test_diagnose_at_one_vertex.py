@@ -15,15 +15,15 @@ from blind.catalogue import Effect, World
 from blind.folder import write
 from blind.ground import Ground
 from blind.snake import Floats, Robot
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import held_out_labels
-from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.inference.at_one_vertex import at_one_vertex, words_of
-from serpenoid.diagnose.inference.medium import TO_THE_END, fit, fit_eps
-from serpenoid.diagnose.inference.select import Selection, calibrated
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import held_out_labels
+from serpenoid.diagnose.data.windows.tracks import make_tracks
+from serpenoid.diagnose.inference.doubt.at_one_vertex import at_one_vertex, words_of
+from serpenoid.diagnose.inference.fits.medium import TO_THE_END, fit, fit_eps
+from serpenoid.diagnose.inference.search.select import Selection, calibrated
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_motion import GUESS
+from serpenoid.diagnose.stages.motion.choose_motion import GUESS
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.inference.by_trial import _beyond
-from serpenoid.diagnose.inference.evidence import Evidence
-from serpenoid.diagnose.inference.prices import Priced, least_idle
+from serpenoid.diagnose.inference.fits.evidence import Evidence
+from serpenoid.diagnose.inference.fits.prices import Priced, least_idle
+from serpenoid.diagnose.inference.search.by_trial import _beyond
 
 SETTINGS, WINDOWS = 8, 72
 PAIRS = [(2 * i, 2 * i + 1) for i in range(SETTINGS)]

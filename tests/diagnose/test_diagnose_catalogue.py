@@ -14,23 +14,23 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import WITHOUT_WHEELS, Effect
 from blind.folder import write
-from serpenoid.diagnose.data.columns import all_keys, columns_of
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.paths import path_noise
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.inference import jumps
-from serpenoid.diagnose.inference.jumps import find_jumps
-from serpenoid.diagnose.inference.medium import fit_eps
-from serpenoid.diagnose.inference.ranking import score
-from serpenoid.diagnose.inference.select import Fit, calibrated
-from serpenoid.diagnose.stages.actuation_by_joint import attempts
-from serpenoid.diagnose.stages.choose_motion import GUESS
-from serpenoid.diagnose.stages.choose_observation import choose_observation
-from serpenoid.diagnose.stages.choose_set_points import plays
-from serpenoid.diagnose.stages.marker_evidence import evidence, sample
+from serpenoid.diagnose.data.cameras.columns import all_keys, columns_of
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.paths import path_noise
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.windows.tracks import make_tracks
+from serpenoid.diagnose.inference.fits import jumps
+from serpenoid.diagnose.inference.fits.jumps import find_jumps
+from serpenoid.diagnose.inference.fits.medium import fit_eps
+from serpenoid.diagnose.inference.search.ranking import score
+from serpenoid.diagnose.inference.search.select import Fit, calibrated
+from serpenoid.diagnose.stages.actuation.actuation_by_joint import attempts
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
+from serpenoid.diagnose.stages.motion.choose_motion import GUESS
+from serpenoid.diagnose.stages.observation.choose_observation import choose_observation
+from serpenoid.diagnose.stages.observation.marker_evidence import evidence, sample
 from serpenoid.effects import catalogue
 from serpenoid.effects.catalogue import of_laws
 from serpenoid.medium import Medium

@@ -18,8 +18,8 @@ from blind.protocol import Protocol, usual, with_joints
 from serpenoid.cli.main import main
 from serpenoid.diagnose import changed_trials as changed_trials_file
 from serpenoid.diagnose.changed_trials import in_any_trial, mending_growth, sides
-from serpenoid.diagnose.data.tracks import NoPath
-from serpenoid.diagnose.inference.finding import Divided, Named, Stage
+from serpenoid.diagnose.data.windows.tracks import NoPath
+from serpenoid.diagnose.inference.fits.finding import Divided, Named, Stage
 from serpenoid.diagnose.report.sentences import changed_trials
 from serpenoid.diagnose.residuals.in_some_trials import Cause, Differ
 from serpenoid.diagnose.residuals.in_some_trials import divided as divided_or_hint

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Body
-from serpenoid.diagnose.data.clocks import Clock, align, beside_plan, run_apart
-from serpenoid.diagnose.data.laid import Plan
+from serpenoid.diagnose.data.recordings.clocks import Clock, align, beside_plan, run_apart
+from serpenoid.diagnose.data.recordings.laid import Plan
 from serpenoid.errors import InputError
-from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import TICK, ServoLog
+from serpenoid.measure.shapes.links import chain_vertices
 
 FRAMES_PER_SECOND, LOG_HERTZ, MARKER_M, SECONDS, CYCLE_S = 200.0, 14.0, 1.5e-4, 6.0, 2.5
 DRAWS = 12
@@ -107,7 +107,7 @@ def test_a_film_that_seldom_shows_all_markers_is_said_to(monkeypatch: pytest.Mon
     markers[hidden, rng.integers(0, 6, len(hidden))] = np.nan
     log = ServoLog(film, bent(film, body.joint_count), None, None, None, None, {}, "log.csv")
     assert align(body, film, markers, log).zero == pytest.approx(0.0, abs=0.01)  # ten frames do
-    monkeypatch.setattr("serpenoid.diagnose.data.clocks.find_offset", lambda *_: None)
+    monkeypatch.setattr("serpenoid.diagnose.data.recordings.clocks.find_offset", lambda *_: None)
     with pytest.raises(InputError, match=r"in 72% of its frames enough markers are seen"):
         align(body, film, markers, log)
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.data.geometry import shapes
-from serpenoid.diagnose.data.meshes import COARSER, GROWTH, Mesh, mesh_of
-from serpenoid.diagnose.data.windows import predicted_path
+from serpenoid.diagnose.data.shapes.geometry import shapes
+from serpenoid.diagnose.data.windows.meshes import COARSER, GROWTH, Mesh, mesh_of
+from serpenoid.diagnose.data.windows.windows import predicted_path
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.group import relative
 from serpenoid.measure.schedule import Schedule

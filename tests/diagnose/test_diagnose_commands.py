@@ -17,15 +17,15 @@ from blind.folder import write
 from blind.protocol import usual, with_joints
 from blind.schedule import lagged
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.clocks import Clock
-from serpenoid.diagnose.data.played import _words, by_their_commands
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
-from serpenoid.diagnose.data.told import Distances, told_by_commands
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation
-from serpenoid.diagnose.stages.choose_set_points import plays
-from serpenoid.diagnose.stages.expected import carried, expected
-from serpenoid.diagnose.stages.set_points import ways
+from serpenoid.diagnose.data.recordings.clocks import Clock
+from serpenoid.diagnose.data.recordings.played import _words, by_their_commands
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import UNSURE_CYCLE, Recording
+from serpenoid.diagnose.data.recordings.told import Distances, told_by_commands
+from serpenoid.diagnose.stages.actuation.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
+from serpenoid.diagnose.stages.actuation.expected import carried, expected
+from serpenoid.diagnose.stages.actuation.set_points import ways
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.logs import TICK, ServoLog

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.data import beside_course
-from serpenoid.diagnose.data.course import Course
+from serpenoid.diagnose.data.shapes import beside_course
+from serpenoid.diagnose.data.shapes.course import Course
 
 
 @pytest.mark.parametrize("count", [1, 2, 40])

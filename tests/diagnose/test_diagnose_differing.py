@@ -18,12 +18,13 @@ from blind.random_protocols import draw_protocol
 from blind.windows import windows
 from serpenoid.body import Body
 from serpenoid.diagnose.campaign import diagnose_campaign
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.inference import select
-from serpenoid.diagnose.inference.differing import _Drawn
-from serpenoid.diagnose.inference.evidence import Evidence
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, candidates_of, fit, with_values
-from serpenoid.diagnose.inference.select import all_at_once, calibrated, one_for_several
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.inference.doubt.differing import _Drawn
+from serpenoid.diagnose.inference.fits.evidence import Evidence
+from serpenoid.diagnose.inference.fits.medium import TO_THE_END, Fit, candidates_of, fit, with_values
+from serpenoid.diagnose.inference.search import select
+from serpenoid.diagnose.inference.search.all_places import all_at_once
+from serpenoid.diagnose.inference.search.select import calibrated, one_for_several
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
 from serpenoid.model import Model

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.data.motion import Motion, Noise
-from serpenoid.diagnose.data.shared import discrepancy
+from serpenoid.diagnose.data.noise.motion import Motion, Noise
+from serpenoid.diagnose.data.noise.shared import discrepancy
 
 WINDOWS, SETTINGS, NOISE = 40, 12, 1e-3
 

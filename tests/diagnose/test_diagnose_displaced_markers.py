@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Body
-from serpenoid.diagnose.data.geometry import placed, shapes
-from serpenoid.diagnose.stages.choose_actuation import _unlike
-from serpenoid.diagnose.stages.displaced_markers import displaced_marker
+from serpenoid.diagnose.data.shapes.geometry import placed, shapes
+from serpenoid.diagnose.stages.actuation.choose_actuation import _unlike
+from serpenoid.diagnose.stages.actuation.displaced_markers import displaced_marker
 
 EDGES = (0.08, 0.1, 0.1, 0.11, 0.1, 0.08)
 FRAMES, NOISE = 600, 1e-3

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.inference.finding import Stage
-from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.stages.beyond_readings import beyond
-from serpenoid.diagnose.stages.elastic import elastic, torques
-from serpenoid.diagnose.stages.refuted import by_markers, shapes_believed
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.inference.doubt.law_error import LAW_ERROR
+from serpenoid.diagnose.inference.fits.finding import Stage
+from serpenoid.diagnose.stages.motion.refuted import by_markers, shapes_believed
+from serpenoid.diagnose.stages.observation.beyond_readings import beyond
+from serpenoid.diagnose.stages.observation.elastic import elastic, torques
 
 JOINT = 7  # from 0
 YIELDED = 0.08  # rad, RMS

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.inference.evidence import Evidence
+from serpenoid.diagnose.inference.fits.evidence import Evidence
 
 
 @pytest.fixture

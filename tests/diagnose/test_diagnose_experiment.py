@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from rehearsal import serpenoid_table, snake
-from serpenoid.diagnose.data.motion import Noise
+from serpenoid.diagnose.data.noise.motion import Noise
 from serpenoid.diagnose.design.contest import Explanation, Plan, expected_chi2
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment, planned, playable, table_of
-from serpenoid.diagnose.inference.evidence import Evidence
-from serpenoid.diagnose.inference.medium import Fit
+from serpenoid.diagnose.inference.fits.evidence import Evidence
+from serpenoid.diagnose.inference.fits.medium import Fit
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium

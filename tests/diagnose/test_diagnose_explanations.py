@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Body
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.tracks import NoPath
-from serpenoid.diagnose.inference import explanations
-from serpenoid.diagnose.inference.discrepancy import least_deviance
-from serpenoid.diagnose.inference.explanations import Likely, acts, another
-from serpenoid.diagnose.inference.names import Try
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.windows.tracks import NoPath
+from serpenoid.diagnose.inference.doubt import explanations
+from serpenoid.diagnose.inference.doubt.explanations import Likely, acts, another
+from serpenoid.diagnose.inference.search.discrepancy import least_deviance
+from serpenoid.diagnose.inference.search.names import Try
 from serpenoid.diagnose.reference import Explanation, Reference
-from serpenoid.diagnose.stages.choose_motion import with_a_path
+from serpenoid.diagnose.stages.motion.choose_motion import with_a_path
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
 from serpenoid.model import Model

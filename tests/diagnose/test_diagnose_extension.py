@@ -9,11 +9,12 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write as write_campaign
-from serpenoid.diagnose.data.paths import total
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.diagnose import Diagnosis, diagnose, record
-from serpenoid.diagnose.inference.held_out import held_out
-from serpenoid.diagnose.inference.names import trace
+from serpenoid.diagnose.data.noise.paths import total
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.diagnose import Diagnosis, diagnose
+from serpenoid.diagnose.inference.fits.held_out import held_out
+from serpenoid.diagnose.inference.search.names import trace
+from serpenoid.diagnose.record import record
 from serpenoid.diagnose.report.write import PREDICTION, role, write
 from serpenoid.diagnose.residuals.gain import scores
 from serpenoid.diagnose.stages.baseline import Baseline

@@ -11,7 +11,7 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.folder import write
 from blind.protocol import usual
-from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recordings.reading import read_recordings
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline

@@ -11,8 +11,8 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.tracks import _crossed
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.windows.tracks import _crossed
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Body
-from serpenoid.diagnose.data.geometry import register, shapes, turn
+from serpenoid.diagnose.data.shapes.geometry import register, shapes, turn
 from serpenoid.group import accumulate, relative
-from serpenoid.measure.links import marker_angles
+from serpenoid.measure.shapes.links import marker_angles
 
 BODY = Body(vertices=12, edge_lengths=(0.04, *[0.08] * 9, 0.04), weights=tuple(range(1, 13)))
 

@@ -15,21 +15,21 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.cli.main import main
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.paths import path_error, path_noise, strength
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording, held_out_labels
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.noise.paths import path_error, path_noise, strength
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording, held_out_labels
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
-from serpenoid.diagnose.inference.finding import Stage, excludable
-from serpenoid.diagnose.inference.groups import band
-from serpenoid.diagnose.inference.medium import fit
-from serpenoid.diagnose.inference.names import kept, trace, visible
+from serpenoid.diagnose.inference.doubt.groups import band
+from serpenoid.diagnose.inference.fits.finding import Stage, excludable
+from serpenoid.diagnose.inference.fits.medium import fit
+from serpenoid.diagnose.inference.search.names import kept, trace, visible
+from serpenoid.diagnose.stages.actuation.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation
-from serpenoid.diagnose.stages.choose_motion import MotionFinding, choose_motion
-from serpenoid.diagnose.stages.choose_observation import choose_observation
-from serpenoid.diagnose.stages.choose_set_points import plays
-from serpenoid.diagnose.stages.values_of_motion import named_of
+from serpenoid.diagnose.stages.motion.choose_motion import MotionFinding, choose_motion
+from serpenoid.diagnose.stages.motion.values_of_motion import named_of
+from serpenoid.diagnose.stages.observation.choose_observation import choose_observation
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.table_file import read_table

@@ -13,18 +13,18 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual, with_joints
 from blind.schedule import lagged
-from serpenoid.diagnose.data.course import Course
-from serpenoid.diagnose.data.geometry import shapes
-from serpenoid.diagnose.data.meshes import COARSER, mesh_of
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.tracks import _at_frames, make_tracks
-from serpenoid.diagnose.data.windows import predicted_path, predictions
-from serpenoid.diagnose.stages.actuation_together import fit_together
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation
-from serpenoid.diagnose.stages.choose_set_points import plays
-from serpenoid.diagnose.stages.expected import carried
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.shapes.course import Course
+from serpenoid.diagnose.data.shapes.geometry import shapes
+from serpenoid.diagnose.data.windows.meshes import COARSER, mesh_of
+from serpenoid.diagnose.data.windows.tracks import _at_frames, make_tracks
+from serpenoid.diagnose.data.windows.windows import predicted_path, predictions
+from serpenoid.diagnose.stages.actuation.actuation_together import fit_together
+from serpenoid.diagnose.stages.actuation.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
+from serpenoid.diagnose.stages.actuation.expected import carried
 from serpenoid.diagnose.stages.whole import from_command
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.group import relative

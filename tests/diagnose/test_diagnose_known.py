@@ -11,8 +11,8 @@ import pytest
 
 from serpenoid.body import Body
 from serpenoid.diagnose.campaign import diagnose_campaign
-from serpenoid.diagnose.data.observation import values_of
-from serpenoid.diagnose.data.tracks import NoPath
+from serpenoid.diagnose.data.cameras.observation import values_of
+from serpenoid.diagnose.data.windows.tracks import NoPath
 from serpenoid.diagnose.diagnose import Diagnosis
 from serpenoid.diagnose.start import taken_for_granted, unlike_body, unlike_kind
 from serpenoid.effects.active import ActiveEffect

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 import serpenoid.diagnose.stages.whole as whole_of
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.tracks import NoPath
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.windows.tracks import NoPath
 from serpenoid.diagnose.diagnose import Diagnosis
 from serpenoid.diagnose.stages.ladder import Error
 from serpenoid.diagnose.stages.whole import whole_errors

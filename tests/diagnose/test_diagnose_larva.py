@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from serpenoid.diagnose.data.tracked import _variance, tracked_recordings
-from serpenoid.diagnose.stages.choose_tracked import GLIDES, STILL, moving
+from serpenoid.diagnose.stages.motion.choose_tracked import GLIDES, STILL, moving
 from serpenoid.errors import InputError
-from serpenoid.measure.animal import stretching
+from serpenoid.measure.animals.animal import stretching
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trial import Trial
 from specimens import animal_campaign

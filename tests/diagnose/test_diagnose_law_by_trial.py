@@ -11,13 +11,13 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.folder import write
 from blind.schedule import lagged
-from serpenoid.diagnose.data.course import Course
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation
-from serpenoid.diagnose.stages.choose_set_points import plays
-from serpenoid.diagnose.stages.law_by_trial import law_by_trial, of_trial
-from serpenoid.diagnose.stages.plays import Plays
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.shapes.course import Course
+from serpenoid.diagnose.stages.actuation.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
+from serpenoid.diagnose.stages.actuation.law_by_trial import law_by_trial, of_trial
+from serpenoid.diagnose.stages.actuation.plays import Plays
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.logs import TICK
 

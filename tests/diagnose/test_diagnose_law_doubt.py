@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.inference import law_doubt
-from serpenoid.diagnose.inference.finding import Named
-from serpenoid.diagnose.inference.law_doubt import Doubted, with_errors_of_gaits, yielding
+from serpenoid.diagnose.inference.doubt import law_doubt
+from serpenoid.diagnose.inference.doubt.law_doubt import Doubted, with_errors_of_gaits, yielding
+from serpenoid.diagnose.inference.fits.finding import Named
 from serpenoid.effects.active import ActiveEffect
 
 GAITS, WINDOWS, NORMAL = 6, 60, 1.96

@@ -14,20 +14,20 @@ from blind.campaign import COMBINATIONS, make
 from blind.folder import write
 from serpenoid.body import Floats
 from serpenoid.diagnose import drag_ratio as told_ratio
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import held_out_labels
-from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import held_out_labels
+from serpenoid.diagnose.data.windows.tracks import make_tracks
 from serpenoid.diagnose.diagnose import Diagnosis
 from serpenoid.diagnose.drag_ratio import drag_ratio_of
-from serpenoid.diagnose.inference import laws
-from serpenoid.diagnose.inference.finding import Stage
-from serpenoid.diagnose.inference.laws import by_its_own_numbers, on_rival, rival_laws
-from serpenoid.diagnose.inference.medium import Fit, coordinates_of, fit, fit_eps, linearised
-from serpenoid.diagnose.inference.select import Selection, calibrated
+from serpenoid.diagnose.inference.doubt import laws
+from serpenoid.diagnose.inference.doubt.laws import by_its_own_numbers, on_rival, rival_laws
+from serpenoid.diagnose.inference.fits.finding import Stage
+from serpenoid.diagnose.inference.fits.medium import Fit, coordinates_of, fit, fit_eps, linearised
+from serpenoid.diagnose.inference.search.select import Selection, calibrated
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_motion import GUESS, MotionFinding, choose_on_tracks
-from serpenoid.diagnose.stages.law_of_medium import slipping_sideways
+from serpenoid.diagnose.stages.motion.choose_motion import GUESS, MotionFinding, choose_on_tracks
+from serpenoid.diagnose.stages.motion.law_of_medium import slipping_sideways
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.media import LAWS

@@ -9,10 +9,10 @@ import pytest
 from blind.campaign import COMBINATIONS, Effect, make
 from blind.folder import write
 from blind.windows import windows
-from serpenoid.diagnose.inference.discrepancy import information_criterion
-from serpenoid.diagnose.inference.medium import TO_THE_END, fit_eps, fit_guided
-from serpenoid.diagnose.inference.select import Selection, calibrated
-from serpenoid.diagnose.inference.together import laws_together
+from serpenoid.diagnose.inference.doubt.together import laws_together
+from serpenoid.diagnose.inference.fits.medium import TO_THE_END, fit_eps, fit_guided
+from serpenoid.diagnose.inference.search.discrepancy import information_criterion
+from serpenoid.diagnose.inference.search.select import Selection, calibrated
 
 WHEELS = [
     Effect("contact_offset", None, {"offset": 0.018}),

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from serpenoid.diagnose.data.chance import SYSTEMATIC
-from serpenoid.diagnose.data.paths import strays, total
-from serpenoid.diagnose.inference.held_out import first_order, left_open, of_each_gait, part
-from serpenoid.diagnose.inference.medium import Fit, linearised, with_values
+from serpenoid.diagnose.data.noise.paths import strays, total
+from serpenoid.diagnose.inference.fits.held_out import first_order, left_open, of_each_gait, part
+from serpenoid.diagnose.inference.fits.medium import Fit, linearised, with_values
 from serpenoid.diagnose.report import sentences
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.words import shown

@@ -10,18 +10,19 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Body
-from serpenoid.diagnose.data.geometry import register, shapes, turn
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.shapes.geometry import register, shapes, turn
 from serpenoid.diagnose.diagnose import beside_changes
-from serpenoid.diagnose.inference.finding import Named, Stage
-from serpenoid.diagnose.inference.left_open import believed, known
-from serpenoid.diagnose.inference.medium import Fit, predicted_bare
-from serpenoid.diagnose.inference.select import Selection
+from serpenoid.diagnose.inference.doubt.left_open import believed, known
+from serpenoid.diagnose.inference.fits.finding import Named, Stage
+from serpenoid.diagnose.inference.fits.medium import Fit, predicted_bare
+from serpenoid.diagnose.inference.search.select import Selection
 from serpenoid.diagnose.report.sentences import ratio_change, undetected
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.beside_markers import chi2_of_markers
-from serpenoid.diagnose.stages.choose_motion import MotionFinding, beside_earlier, explained
+from serpenoid.diagnose.stages.motion.choose_motion import MotionFinding, beside_earlier
+from serpenoid.diagnose.stages.motion.stand_ins import explained
+from serpenoid.diagnose.stages.observation.beside_markers import chi2_of_markers
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 

@@ -12,10 +12,11 @@ import pytest
 from blind.campaign import COMBINATIONS, Effect, make
 from blind.folder import write
 from blind.windows import windows
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.shared import discrepancy
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit, fit_eps
-from serpenoid.diagnose.inference.select import at_other_places, attempts, calibrated, likeliest
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.shared import discrepancy
+from serpenoid.diagnose.inference.fits.medium import TO_THE_END, Fit, fit, fit_eps
+from serpenoid.diagnose.inference.search.select import calibrated, likeliest
+from serpenoid.diagnose.inference.search.tries import at_other_places, attempts
 from serpenoid.effects.active import ActiveEffect
 
 WHEEL = ("worn_wheel", 7)

@@ -76,7 +76,9 @@ def test_a_faulty_campaign_is_refused_in_a_sentence(
 def test_wrong_words_are_refused_before_the_work(
     words: list[str], said: str, campaign: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("serpenoid.diagnose.data.reading.read_recording", lambda *_: pytest.fail("a trial was read"))
+    monkeypatch.setattr(
+        "serpenoid.diagnose.data.recordings.reading.read_recording", lambda *_: pytest.fail("a trial was read")
+    )
     assert main(["diagnose", str(campaign), *words]) == 2
     assert said in capsys.readouterr().err
 

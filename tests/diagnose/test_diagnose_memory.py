@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.data.memory import Memory, _likelihood, _scattered, covariance, roots, share_of_poses
-from serpenoid.diagnose.data.motion import Motion, Noise
-from serpenoid.diagnose.data.noise import window_noise
-from serpenoid.diagnose.data.paths import path_error, path_noise, repeated
+from serpenoid.diagnose.data.noise.memory import Memory, _likelihood, _scattered, covariance, roots, share_of_poses
+from serpenoid.diagnose.data.noise.motion import Motion, Noise
+from serpenoid.diagnose.data.noise.noise import window_noise
+from serpenoid.diagnose.data.noise.paths import path_error, path_noise, repeated
 from serpenoid.diagnose.residuals.residual_words import pattern
 from serpenoid.group import accumulate
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from serpenoid.diagnose.inference.discrepancy import least_deviance
+from serpenoid.diagnose.inference.search.discrepancy import least_deviance
 
 WINDOWS, WRONG = 300, 0.35  # WRONG: what the law gets wrong of what it does
 PRICE = float(np.log(WINDOWS) + 2 * np.log(45))  # of one parameter and one of 45 candidates

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.inference.evidence import Evidence
-from serpenoid.diagnose.inference.null import Scored, largest_by_chance
-from serpenoid.diagnose.inference.prices import gained_by_chance, most_gained
+from serpenoid.diagnose.inference.fits.evidence import Evidence
+from serpenoid.diagnose.inference.fits.prices import gained_by_chance, most_gained
+from serpenoid.diagnose.inference.search.null import Scored, largest_by_chance
 
 GAITS, EACH, CANDIDATES, CAMPAIGNS = 6, 40, 30, 60
 LABELS = np.repeat(np.arange(GAITS), EACH)

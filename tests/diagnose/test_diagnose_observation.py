@@ -12,14 +12,14 @@ from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
 from serpenoid.body import Body
-from serpenoid.diagnose.data.columns import all_keys, columns_of
-from serpenoid.diagnose.data.geometry import register, shapes, turn
-from serpenoid.diagnose.data.observation import Observation, across, lying
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.stages.choose_observation import choose_observation
+from serpenoid.diagnose.data.cameras.columns import all_keys, columns_of
+from serpenoid.diagnose.data.cameras.observation import Observation, across, lying
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.shapes.geometry import register, shapes, turn
 from serpenoid.diagnose.stages.ladder import observation_step
-from serpenoid.diagnose.stages.marker_evidence import evidence, misfit, misfit_beside, sample
+from serpenoid.diagnose.stages.observation.choose_observation import choose_observation
+from serpenoid.diagnose.stages.observation.marker_evidence import evidence, misfit, misfit_beside, sample
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
 from serpenoid.model import Model

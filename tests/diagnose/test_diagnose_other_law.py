@@ -9,12 +9,12 @@ from types import SimpleNamespace
 import pytest
 
 from serpenoid.diagnose.diagnose import verdict
-from serpenoid.diagnose.inference.finding import Named, Stage
-from serpenoid.diagnose.inference.other_law import of_another_law
+from serpenoid.diagnose.inference.doubt.other_law import of_another_law
+from serpenoid.diagnose.inference.fits.finding import Named, Stage
 from serpenoid.diagnose.report.sentences import inadequacy
-from serpenoid.diagnose.stages import choose_motion
-from serpenoid.diagnose.stages.choose_motion import another_law, beside_paths
-from serpenoid.diagnose.stages.choose_tracked import ASIDE
+from serpenoid.diagnose.stages.motion import choose_motion
+from serpenoid.diagnose.stages.motion.choose_tracked import ASIDE
+from serpenoid.diagnose.stages.motion.stand_ins import another_law, beside_paths
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
 from serpenoid.wording import OF_SHAPES, OTHER_LAW

@@ -16,19 +16,19 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.windows import windows
 from serpenoid.body import Floats
-from serpenoid.diagnose.data import frame
-from serpenoid.diagnose.data.geometry import shapes, turn
-from serpenoid.diagnose.data.meshes import COARSER
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.paths import path_error
-from serpenoid.diagnose.data.tracks import _mesh_error
-from serpenoid.diagnose.data.windows import begun_anew, predicted_path
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit
-from serpenoid.diagnose.inference.places import placed
-from serpenoid.diagnose.inference.room import chance
-from serpenoid.diagnose.inference.select import Selection
+from serpenoid.diagnose.data.cameras import frame
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.paths import path_error
+from serpenoid.diagnose.data.shapes.geometry import shapes, turn
+from serpenoid.diagnose.data.windows.meshes import COARSER
+from serpenoid.diagnose.data.windows.tracks import _mesh_error
+from serpenoid.diagnose.data.windows.windows import begun_anew, predicted_path
+from serpenoid.diagnose.inference.fits.medium import TO_THE_END, Fit, fit
+from serpenoid.diagnose.inference.fits.places import placed
+from serpenoid.diagnose.inference.search.room import chance
+from serpenoid.diagnose.inference.search.select import Selection
 from serpenoid.diagnose.report.animate import predicted
-from serpenoid.diagnose.stages.choose_motion import strayed
+from serpenoid.diagnose.stages.motion.left_over import strayed
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.model import Model
 from specimens import reference, serpenoid_table

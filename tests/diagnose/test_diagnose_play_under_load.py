@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.inference.finding import Stage
-from serpenoid.diagnose.stages.beyond_readings import OfJoint, beyond
-from serpenoid.diagnose.stages.play_under_load import crossings, ends_of, play_under_load, two_ends
-from serpenoid.diagnose.stages.refuted import shapes_believed
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.inference.fits.finding import Stage
+from serpenoid.diagnose.stages.motion.refuted import shapes_believed
+from serpenoid.diagnose.stages.observation.beyond_readings import OfJoint, beyond
+from serpenoid.diagnose.stages.observation.play_under_load import crossings, ends_of, play_under_load, two_ends
 
 JOINT = 3  # from 0
 WIDTH = 0.11  # rad

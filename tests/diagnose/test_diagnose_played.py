@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from rehearsal import serpenoid_table, snake
-from serpenoid.diagnose.data.clocks import Clock
-from serpenoid.diagnose.data.played import at_played_rate, lateness
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.recordings.clocks import Clock
+from serpenoid.diagnose.data.recordings.played import at_played_rate, lateness
+from serpenoid.diagnose.data.recordings.recording import Recording
 from serpenoid.measure.schedule import Schedule
 
 NOISE, LATE_S = 0.01, 0.05

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from serpenoid.diagnose.data.chance import NORMAL
-from serpenoid.diagnose.inference.profile import in_its_range, profile_ends
+from serpenoid.diagnose.inference.doubt.profile import in_its_range, profile_ends
 
 
 def test_where_chi_squared_is_a_parabola_the_ends_are_its_own(

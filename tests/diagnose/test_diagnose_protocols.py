@@ -15,18 +15,18 @@ from blind.campaign import Campaign, make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import COMBINATIONS, Protocol, usual
-from serpenoid.diagnose.data.course import Course
-from serpenoid.diagnose.data.noise import window_noise
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.shape_in_time import Source, fitted, worth
-from serpenoid.diagnose.data.shapes_from_points import angles_read, angles_shown
-from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation
-from serpenoid.diagnose.stages.choose_observation import choose_observation
-from serpenoid.diagnose.stages.choose_set_points import plays
-from serpenoid.diagnose.stages.expected import carried
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.noise.noise import window_noise
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.shapes.course import Course
+from serpenoid.diagnose.data.shapes.shape_in_time import Source, fitted, worth
+from serpenoid.diagnose.data.shapes.shapes_from_points import angles_read, angles_shown
+from serpenoid.diagnose.data.windows.tracks import make_tracks
+from serpenoid.diagnose.stages.actuation.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
+from serpenoid.diagnose.stages.actuation.expected import carried
+from serpenoid.diagnose.stages.observation.choose_observation import choose_observation
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError

@@ -8,7 +8,7 @@ from typing import cast
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise.motion import Motion
 from serpenoid.diagnose.residuals.pushes import pushed
 from serpenoid.diagnose.residuals.residual_words import _moment, _where, where_pushed
 

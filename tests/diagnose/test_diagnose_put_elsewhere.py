@@ -11,10 +11,10 @@ import pytest
 
 from blind.campaign import COMBINATIONS, make
 from blind.folder import write
-from serpenoid.diagnose.data.geometry import placed, register, shapes
-from serpenoid.diagnose.data.put_elsewhere import puts_of, with_puts
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.recordings.put_elsewhere import puts_of, with_puts
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.shapes.geometry import placed, register, shapes
 from serpenoid.diagnose.diagnose import diagnose
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.start import baseline

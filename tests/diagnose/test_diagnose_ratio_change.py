@@ -16,7 +16,7 @@ from blind.protocol import usual, with_joints
 from serpenoid.cli.main import main
 from serpenoid.diagnose.report.sentences import meaning
 from serpenoid.diagnose.report.summary import lines
-from serpenoid.diagnose.stages import ratio_change
+from serpenoid.diagnose.stages.motion import ratio_change
 
 SEED, FEW = 61, COMBINATIONS[:1]
 

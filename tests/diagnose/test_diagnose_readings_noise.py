@@ -10,14 +10,14 @@ import pytest
 
 from blind.campaign import COMBINATIONS, make
 from blind.folder import write
-from serpenoid.diagnose.data.geometry import shapes
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.readings_noise import by_readings, of_shapes
-from serpenoid.diagnose.data.shape_in_time import Source, fitted
-from serpenoid.diagnose.data.tracks import half_average, make_tracks
-from serpenoid.diagnose.data.windows import predictions
-from serpenoid.diagnose.stages.marker_evidence import beside_readings, misfit, sample
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.shapes.geometry import shapes
+from serpenoid.diagnose.data.shapes.shape_in_time import Source, fitted
+from serpenoid.diagnose.data.windows.readings_noise import by_readings, of_shapes
+from serpenoid.diagnose.data.windows.tracks import half_average, make_tracks
+from serpenoid.diagnose.data.windows.windows import predictions
+from serpenoid.diagnose.stages.observation.marker_evidence import beside_readings, misfit, sample
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 

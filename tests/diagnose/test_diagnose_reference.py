@@ -19,25 +19,25 @@ from blind.protocol import usual
 from serpenoid.body import Body
 from serpenoid.cli.main import main
 from serpenoid.diagnose import reference
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import residuals
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.told import Told
-from serpenoid.diagnose.data.tracks import make_tracks
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.noise import residuals
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.recordings.told import Told
+from serpenoid.diagnose.data.windows.tracks import make_tracks
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
-from serpenoid.diagnose.inference.finding import Named, Stage
-from serpenoid.diagnose.inference.medium import linearised
-from serpenoid.diagnose.inference.select import Selection
+from serpenoid.diagnose.inference.fits.finding import Named, Stage
+from serpenoid.diagnose.inference.fits.medium import linearised
+from serpenoid.diagnose.inference.search.select import Selection
 from serpenoid.diagnose.reference import Reference, about, as_taken, in_other_cycles, reference_of
-from serpenoid.diagnose.stages import choose_motion
+from serpenoid.diagnose.stages.actuation.choose_actuation import beside_a_larger, choose_actuation
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
+from serpenoid.diagnose.stages.actuation.plays import Plays
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_actuation import beside_a_larger, choose_actuation
-from serpenoid.diagnose.stages.choose_motion import GUESS
-from serpenoid.diagnose.stages.choose_set_points import plays
-from serpenoid.diagnose.stages.plays import Plays
-from serpenoid.diagnose.stages.values_of_motion import beside_known
+from serpenoid.diagnose.stages.motion import choose_motion
+from serpenoid.diagnose.stages.motion.choose_motion import GUESS
+from serpenoid.diagnose.stages.motion.values_of_motion import beside_known
 from serpenoid.diagnose.start import baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import serpenoid.diagnose.stages.refuted as refuted_by
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.tracks import NoPath
-from serpenoid.diagnose.inference.finding import Stage
-from serpenoid.diagnose.stages.refuted import refuted, shapes_believed
+import serpenoid.diagnose.stages.motion.refuted as refuted_by
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.windows.tracks import NoPath
+from serpenoid.diagnose.inference.fits.finding import Stage
+from serpenoid.diagnose.stages.motion.refuted import refuted, shapes_believed
 from serpenoid.measure.logs import TICK
 
 JOINT = 3  # from 0

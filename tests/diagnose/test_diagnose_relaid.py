@@ -11,13 +11,12 @@ import pytest
 from blind.campaign import COMBINATIONS, Campaign, make
 from blind.catalogue import Effect
 from blind.folder import write
-from serpenoid.diagnose.data import meshes, tracks
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.relaid import relaid
-from serpenoid.diagnose.data.windows import Track
-from serpenoid.diagnose.stages.choose_observation import choose_observation
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.recordings.relaid import relaid
+from serpenoid.diagnose.data.windows.windows import Track, meshes, tracks
+from serpenoid.diagnose.stages.observation.choose_observation import choose_observation
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.group import relative
 from serpenoid.medium import Medium

@@ -14,12 +14,12 @@ from blind.campaign import make
 from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import COMBINATIONS, usual
-from serpenoid.diagnose.data.motion import Motion, Noise
-from serpenoid.diagnose.data.noise import over_markers, window_noise
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.repeats import chance_from, none_alike, pairs, repeats
-from serpenoid.diagnose.data.shared import repeatable
-from serpenoid.diagnose.data.untold import untold
+from serpenoid.diagnose.data.noise.motion import Motion, Noise
+from serpenoid.diagnose.data.noise.noise import over_markers, window_noise
+from serpenoid.diagnose.data.noise.repeats import chance_from, none_alike, pairs, repeats
+from serpenoid.diagnose.data.noise.shared import repeatable
+from serpenoid.diagnose.data.noise.untold import untold
+from serpenoid.diagnose.data.recordings.reading import read_recordings
 from serpenoid.diagnose.data.used import CHANCE, about_cameras, remarks
 from serpenoid.diagnose.diagnose import diagnose
 from serpenoid.diagnose.stages.baseline import Baseline

@@ -15,7 +15,8 @@ from serpenoid.cli.main import main
 from serpenoid.diagnose.campaign import diagnose_campaign
 from serpenoid.diagnose.data.tracked import PARTS, tracked_recordings, tracker
 from serpenoid.diagnose.data.used import remarks, used
-from serpenoid.diagnose.diagnose import Diagnosis, record
+from serpenoid.diagnose.diagnose import Diagnosis
+from serpenoid.diagnose.record import record
 from serpenoid.errors import InputError
 from serpenoid.files import store
 from serpenoid.measure.load import load_campaign

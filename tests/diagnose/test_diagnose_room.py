@@ -14,12 +14,12 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import COMBINATIONS, Protocol, usual
 from blind.windows import windows
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import residuals, window_noise
-from serpenoid.diagnose.inference.medium import Fit, fit_eps
-from serpenoid.diagnose.inference.ranking import score
-from serpenoid.diagnose.inference.room import chance
-from serpenoid.diagnose.inference.select import calibrated
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.noise import residuals, window_noise
+from serpenoid.diagnose.inference.fits.medium import Fit, fit_eps
+from serpenoid.diagnose.inference.search.ranking import score
+from serpenoid.diagnose.inference.search.room import chance
+from serpenoid.diagnose.inference.search.select import calibrated
 
 SEED, SETTINGS = 5, 2
 DRIFT = Effect("frame_drift", None, {"velocity_x": 3e-3, "velocity_y": -4e-3})

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from serpenoid.diagnose.inference import ratio_as_it_was
-from serpenoid.diagnose.inference.same_ratio import as_much_as_another_ratio
-from serpenoid.diagnose.inference.select import beside_the_earlier_ratio
+from serpenoid.diagnose.inference.doubt.same_ratio import as_much_as_another_ratio
+from serpenoid.diagnose.inference.search import ratio_as_it_was
+from serpenoid.diagnose.inference.search.tries import beside_the_earlier_ratio
 
 
 def test_what_another_ratio_hides_is_told_and_has_no_name(

@@ -10,14 +10,14 @@ import pytest
 
 from blind.campaign import COMBINATIONS, make
 from blind.folder import write
-from serpenoid.diagnose.data.geometry import register, shapes, turn
-from serpenoid.diagnose.data.markers_by_trial import put_back
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.stages.looked import Looked
-from serpenoid.diagnose.stages.marker_evidence import sample
-from serpenoid.diagnose.stages.seen_by_trial import seen_by_trial, slipping, two_values
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.recordings.markers_by_trial import put_back
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.shapes.geometry import register, shapes, turn
+from serpenoid.diagnose.stages.observation.looked import Looked
+from serpenoid.diagnose.stages.observation.marker_evidence import sample
+from serpenoid.diagnose.stages.observation.seen_by_trial import seen_by_trial, slipping, two_values
 
 FITS = 6
 

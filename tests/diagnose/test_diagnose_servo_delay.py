@@ -13,11 +13,11 @@ from blind.folder import write
 from blind.schedule import delayed, lagged, swung
 from blind.study import Study
 from diagnose.test_diagnose_servo_inertia import SEED, Play, alone, logged
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
-from serpenoid.diagnose.inference.finding import Stage
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation
-from serpenoid.diagnose.stages.choose_set_points import plays
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import UNSURE_CYCLE, Recording
+from serpenoid.diagnose.inference.fits.finding import Stage
+from serpenoid.diagnose.stages.actuation.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
 
 
 @pytest.fixture(scope="module")

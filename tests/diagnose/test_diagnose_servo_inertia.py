@@ -14,14 +14,14 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual, with_joints
 from blind.schedule import lagged, swung
-from serpenoid.diagnose.data.course import Course
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
-from serpenoid.diagnose.inference.finding import Named, Stage
-from serpenoid.diagnose.stages.actuation_by_joint import attempts, fit_everywhere
-from serpenoid.diagnose.stages.actuation_search import Played, one_more
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation
-from serpenoid.diagnose.stages.choose_set_points import plays
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import UNSURE_CYCLE, Recording
+from serpenoid.diagnose.data.shapes.course import Course
+from serpenoid.diagnose.inference.fits.finding import Named, Stage
+from serpenoid.diagnose.stages.actuation.actuation_by_joint import attempts, fit_everywhere
+from serpenoid.diagnose.stages.actuation.actuation_search import Played, one_more
+from serpenoid.diagnose.stages.actuation.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
 from serpenoid.effects import ActiveEffect, find
 from serpenoid.measure.logs import TICK
 

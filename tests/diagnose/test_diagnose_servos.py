@@ -19,25 +19,25 @@ from blind.folder import write
 from blind.protocol import Protocol, usual, with_joints
 from blind.schedule import lagged, rate_limited
 from serpenoid.body import Body
-from serpenoid.diagnose.data.course import Course
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import UNSURE_CYCLE, Recording
-from serpenoid.diagnose.data.shape_in_time import Source, fitted
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import UNSURE_CYCLE, Recording
+from serpenoid.diagnose.data.shapes.course import Course
+from serpenoid.diagnose.data.shapes.shape_in_time import Source, fitted
 from serpenoid.diagnose.diagnose import verdict
-from serpenoid.diagnose.inference.finding import Named, Stage
-from serpenoid.diagnose.inference.prices import Priced, cheapest, earned, outweighed
-from serpenoid.diagnose.stages.actuation_by_joint import fit_everywhere
-from serpenoid.diagnose.stages.actuation_refit import refined
-from serpenoid.diagnose.stages.actuation_search import Played
+from serpenoid.diagnose.inference.fits.finding import Named, Stage
+from serpenoid.diagnose.inference.fits.prices import Priced, cheapest, earned, outweighed
+from serpenoid.diagnose.stages.actuation.actuation_by_joint import fit_everywhere
+from serpenoid.diagnose.stages.actuation.actuation_refit import refined
+from serpenoid.diagnose.stages.actuation.actuation_search import Played
+from serpenoid.diagnose.stages.actuation.choose_actuation import choose_actuation, noise_at_rest, off_by_rounding
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
+from serpenoid.diagnose.stages.actuation.expected import carried
+from serpenoid.diagnose.stages.actuation.plays import Plays
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation, noise_at_rest, off_by_rounding
-from serpenoid.diagnose.stages.choose_set_points import plays
-from serpenoid.diagnose.stages.expected import carried
-from serpenoid.diagnose.stages.plays import Plays
-from serpenoid.diagnose.stages.witness import WrongLog, _said, of_servos, unlike_told
+from serpenoid.diagnose.stages.observation.witness import WrongLog, _said, of_servos, unlike_told
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import TICK
+from serpenoid.measure.shapes.links import chain_vertices
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation.servos import readings_of_each, realise_all

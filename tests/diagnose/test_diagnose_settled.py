@@ -12,14 +12,14 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.data.windows import Track
-from serpenoid.diagnose.inference.medium import TO_THE_END, Fit, fit, fit_eps, fit_guided
-from serpenoid.diagnose.inference.select import calibrated, settled
-from serpenoid.diagnose.stages.choose_motion import GUESS
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.windows.tracks import make_tracks
+from serpenoid.diagnose.data.windows.windows import Track
+from serpenoid.diagnose.inference.fits.medium import TO_THE_END, Fit, fit, fit_eps, fit_guided
+from serpenoid.diagnose.inference.search.select import calibrated, settled
+from serpenoid.diagnose.stages.motion.choose_motion import GUESS
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
 from serpenoid.model import Model

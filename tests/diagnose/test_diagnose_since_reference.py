@@ -11,11 +11,11 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.folder import write
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.data.windows import Track
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.windows.tracks import make_tracks
+from serpenoid.diagnose.data.windows.windows import Track
 from serpenoid.diagnose.report.sentences import since
 from serpenoid.diagnose.since_reference import apart
 from serpenoid.diagnose.start import baseline

@@ -9,11 +9,11 @@ import pytest
 
 from blind.campaign import COMBINATIONS, make
 from blind.folder import write
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.single_markers import beside_log, told, without_single
-from serpenoid.diagnose.stages.choose_observation import choose_observation
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.recordings.single_markers import beside_log, told, without_single
+from serpenoid.diagnose.stages.observation.choose_observation import choose_observation
 
 SEED, SIZE = 41, 0.03  # m
 SHARE = 0.02  # of all markers

@@ -14,14 +14,14 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.protocol import usual, with_joints
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.columns import columns_of
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.inference.law_error import LAW_ERROR, lawful
-from serpenoid.diagnose.inference.prices import Priced
-from serpenoid.diagnose.stages.choose_observation import choose_observation
-from serpenoid.diagnose.stages.marker_evidence import along, by_trial, channels_left, sample
+from serpenoid.diagnose.data.cameras.columns import columns_of
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.inference.doubt.law_error import LAW_ERROR, lawful
+from serpenoid.diagnose.inference.fits.prices import Priced
+from serpenoid.diagnose.stages.observation.choose_observation import choose_observation
+from serpenoid.diagnose.stages.observation.marker_evidence import along, by_trial, channels_left, sample
 from serpenoid.effects.active import ActiveEffect
 
 SEED, JOINTS, JOINT, SLIP = 31, 6, 4, 0.15  # rad

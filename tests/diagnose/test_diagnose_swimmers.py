@@ -13,10 +13,10 @@ from blind.ground import Ground
 from blind.swimmers import NOISE, OUTSIDE, Swimmer, write
 from serpenoid.cli.main import main
 from serpenoid.diagnose.data import tracked
-from serpenoid.diagnose.data.geometry import placed, shapes
-from serpenoid.diagnose.data.shapes_from_points import from_points
+from serpenoid.diagnose.data.shapes.geometry import placed, shapes
+from serpenoid.diagnose.data.shapes.shapes_from_points import from_points
 from serpenoid.diagnose.data.tracked import tracked_recordings
-from serpenoid.diagnose.data.windows import Track, predictions
+from serpenoid.diagnose.data.windows.windows import Track, predictions
 from serpenoid.diagnose.report.summary import lines
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.load import load_campaign

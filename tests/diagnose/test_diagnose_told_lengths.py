@@ -15,10 +15,10 @@ from blind.folder import write
 from blind.protocol import Protocol
 from blind.random_protocols import draw_protocol
 from blind.snake import SNAKE10
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.inference.finding import Named, Stage
-from serpenoid.diagnose.stages.choose_observation import choose_observation
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.inference.fits.finding import Named, Stage
+from serpenoid.diagnose.stages.observation.choose_observation import choose_observation
 
 RULER = 0.012  # of a length: what it is told wrong by
 COUNT = SNAKE10.vertices

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from serpenoid.diagnose.inference.finding import Divided
-from serpenoid.diagnose.stages.trials_astray import trials_astray
+from serpenoid.diagnose.inference.fits.finding import Divided
+from serpenoid.diagnose.stages.actuation.trials_astray import trials_astray
 
 ROWS = 200
 TOLD = np.sin(np.linspace(0, 4 * np.pi, ROWS))[:, None] * np.array([1.0, 0.7, 0.4])

@@ -15,15 +15,15 @@ from blind.catalogue import Effect
 from blind.folder import write
 from blind.random_protocols import draw_protocol, once
 from serpenoid.diagnose.campaign import diagnose_campaign
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.inference.finding import Named, Stage
-from serpenoid.diagnose.inference.medium import Fit
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.inference.fits.finding import Named, Stage
+from serpenoid.diagnose.inference.fits.medium import Fit
 from serpenoid.diagnose.residuals.gain import Scores
-from serpenoid.diagnose.stages import borne_out, choose_motion
-from serpenoid.diagnose.stages.choose_actuation import choose_actuation
-from serpenoid.diagnose.stages.choose_set_points import plays
-from serpenoid.diagnose.stages.ratio_change import RatioChange
+from serpenoid.diagnose.stages.actuation.choose_actuation import choose_actuation
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
+from serpenoid.diagnose.stages.motion import borne_out, choose_motion
+from serpenoid.diagnose.stages.motion.ratio_change import RatioChange
 from serpenoid.effects.active import ActiveEffect
 
 SEED = 166611063688274

@@ -11,10 +11,10 @@ import pytest
 from blind.campaign import COMBINATIONS, make
 from blind.catalogue import Effect
 from blind.folder import write
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.reading import read_recordings
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.tracks import _slides, make_tracks
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.recordings.reading import read_recordings
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.windows.tracks import _slides, make_tracks
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.medium import Medium
 from serpenoid.model import Model

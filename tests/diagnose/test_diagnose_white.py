@@ -10,12 +10,12 @@ import pytest
 from test_diagnose_memory import LEAST, PHASES, WINDOW_S, campaign
 
 from serpenoid.diagnose.data.chance import NORMAL
-from serpenoid.diagnose.data.memory import BLOCK, Memory, roots
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import window_noise
-from serpenoid.diagnose.data.white import White
-from serpenoid.diagnose.inference.medium import of_windows
-from serpenoid.diagnose.inference.null import Scored, largest_by_chance
+from serpenoid.diagnose.data.noise.memory import BLOCK, Memory, roots
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.noise import window_noise
+from serpenoid.diagnose.data.noise.white import White
+from serpenoid.diagnose.inference.fits.medium import of_windows
+from serpenoid.diagnose.inference.search.null import Scored, largest_by_chance
 
 CANDIDATES, CAMPAIGNS = 20, 20
 LASTING = Memory((0.0, 1.0), (0.0, 1.0), (0.0, 0.0))

@@ -11,7 +11,7 @@ import pytest
 from blind.protocol import usual
 from serpenoid.body import Body
 from serpenoid.diagnose.data.used import parameter_unit
-from serpenoid.diagnose.inference.names import Refused
+from serpenoid.diagnose.inference.search.names import Refused
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.pages import _beside, write_pages
 from serpenoid.diagnose.report.sentences import (
@@ -44,8 +44,9 @@ from serpenoid.diagnose.report.words import (
     title,
     unseen,
 )
-from serpenoid.diagnose.stages.choose_motion import finding, refusals
-from serpenoid.diagnose.stages.values_of_motion import ratio_interval
+from serpenoid.diagnose.stages.motion.choose_motion import finding
+from serpenoid.diagnose.stages.motion.left_over import refusals
+from serpenoid.diagnose.stages.motion.values_of_motion import ratio_interval
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.catalogue import find
 from serpenoid.model import Model

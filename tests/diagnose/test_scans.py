@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from serpenoid.diagnose.inference.scans import on_offer
+from serpenoid.diagnose.inference.search.scans import on_offer
 
 STEPS, BODY = 60, np.column_stack([np.linspace(-0.45, 0.45, 12), np.zeros(12)])
 

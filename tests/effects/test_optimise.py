@@ -16,7 +16,7 @@ from serpenoid.gaits import EllipseGait
 from serpenoid.mechanics.tables import joint_table
 from serpenoid.media import DEFAULT
 from serpenoid.model import Model
-from serpenoid.optimise.extended import realised_angles
+from serpenoid.optimise.step.extended import realised_angles
 from serpenoid.problem import Problem, Robust
 from serpenoid.results import write_simulation
 from serpenoid.simulation.servos import realise_gait

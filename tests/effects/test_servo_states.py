@@ -13,10 +13,10 @@ from serpenoid.gaits.fourier import FourierGait
 from serpenoid.gaits.spline import SplineGait
 from serpenoid.mechanics.tables import family_tables
 from serpenoid.model import Model
-from serpenoid.optimise.motion_law import motion_law, needs_states
-from serpenoid.optimise.played import Played
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve_from
+from serpenoid.optimise.step.motion_law import motion_law, needs_states
+from serpenoid.optimise.step.played import Played
 from serpenoid.problem import Problem
 from serpenoid.simulation import simulate_joint_angles
 from serpenoid.simulation.servos import realise, realise_gait

@@ -22,10 +22,10 @@ from serpenoid.errors import InputError
 from serpenoid.files.inputs import read_json
 from serpenoid.files.schema import load as load_record
 from serpenoid.measure.campaign import load_campaign_file
+from serpenoid.measure.formats.motive import read_motive
+from serpenoid.measure.formats.points import read_c3d, read_long, read_sleap
+from serpenoid.measure.formats.tidy import read_tidy
 from serpenoid.measure.logs import read_power_log, read_servo_log
-from serpenoid.measure.motive import read_motive
-from serpenoid.measure.points import read_c3d, read_long, read_sleap
-from serpenoid.measure.tidy import read_tidy
 from serpenoid.measure.write import write_motive, write_power_log, write_servo_log
 from serpenoid.model_file import read_model_file
 from serpenoid.optimise.chain_store import ChainStore

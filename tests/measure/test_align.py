@@ -12,13 +12,13 @@ from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure import clock
-from serpenoid.measure.chain import estimate_about, estimate_chain
 from serpenoid.measure.clock import find_offset, interpolate, interpolate_smoothly
-from serpenoid.measure.links import chain_vertices
-from serpenoid.measure.quality import find_gaps, find_holes, find_jumps
-from serpenoid.measure.relabel import label_vertices
+from serpenoid.measure.film.quality import find_gaps, find_holes, find_jumps
+from serpenoid.measure.film.relabel import label_vertices
 from serpenoid.measure.schedule import Schedule, start_by_shape
-from serpenoid.measure.smooth import smooth_states
+from serpenoid.measure.shapes.chain import estimate_about, estimate_chain
+from serpenoid.measure.shapes.links import chain_vertices
+from serpenoid.measure.shapes.smooth import smooth_states
 from serpenoid.measure.tracks import Tracks, floor_plane
 from serpenoid.measure.trial import build_motion
 

@@ -8,7 +8,7 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 from serpenoid.cli.measure import trial_lines
-from serpenoid.measure.beat import beat
+from serpenoid.measure.animals.beat import beat
 from serpenoid.measure.load import load_campaign
 from specimens import animal_campaign
 from swimmers_by_curves import Curve

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from serpenoid.measure.beside_midline import beside_midline, said
+from serpenoid.measure.animals.beside_midline import beside_midline, said
 
 EDGES = np.array([0.08, 0.12, 0.1, 0.09, 0.11, 0.13, 0.07, 0.1, 0.1, 0.1])
 FRAMES, SWING, SCATTER = 200, 0.4, 0.03

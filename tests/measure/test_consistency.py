@@ -26,8 +26,8 @@ from serpenoid.measure.consistency.match import course_of, match, match_at
 from serpenoid.measure.consistency.reach import Reach
 from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal, sample
+from serpenoid.measure.formats.motive import read_motive
 from serpenoid.measure.load import load_campaign
-from serpenoid.measure.motive import read_motive
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.trial_files import read_files
 from serpenoid.measure.write import write_motive

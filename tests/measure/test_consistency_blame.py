@@ -14,8 +14,8 @@ from serpenoid.measure.consistency.claim import Claim, outline
 from serpenoid.measure.consistency.hypotheses import TABLE_AND_LOG
 from serpenoid.measure.consistency.rivals import ODDS, Rival, _doubts
 from serpenoid.measure.consistency.signals import Signal
-from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.schedule import Schedule
+from serpenoid.measure.shapes.links import chain_vertices
 
 MIDDLES = [0, 1, 3, 5, 7, 9, 11, 12]  # of six links: their markers show no joint's angle
 CURES = {

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from serpenoid.measure.animal import between
+from serpenoid.measure.animals.animal import between
 from serpenoid.measure.load import load_campaign
 from specimens import animal_campaign
 from swimmers_by_curves import Curve

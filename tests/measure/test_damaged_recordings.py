@@ -15,16 +15,16 @@ import pytest
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
-from serpenoid.measure.arrays import read_array
-from serpenoid.measure.beat import sines_about
-from serpenoid.measure.chain import estimate_chain
+from serpenoid.measure.animals.beat import sines_about
 from serpenoid.measure.clock import find_offset
-from serpenoid.measure.lengths import steady_lengths
+from serpenoid.measure.formats.arrays import read_array
+from serpenoid.measure.formats.trackers import Timing, read_sleap_analysis
+from serpenoid.measure.formats.wcon import read_wcon
 from serpenoid.measure.load import load_campaign
-from serpenoid.measure.smooth import cross_validated, smooth, smoother
-from serpenoid.measure.trackers import Timing, read_sleap_analysis
+from serpenoid.measure.shapes.chain import estimate_chain
+from serpenoid.measure.shapes.lengths import steady_lengths
+from serpenoid.measure.shapes.smooth import cross_validated, smooth, smoother
 from serpenoid.measure.tracks import Tracks
-from serpenoid.measure.wcon import read_wcon
 
 WORM = Body(vertices=6, kind="crawler")
 TIME = np.arange(160) / 20

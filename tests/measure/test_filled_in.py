@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from serpenoid.measure.filled_in import rounded_by, without_filled_in
+from serpenoid.measure.film.filled_in import rounded_by, without_filled_in
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.tracks import Tracks
 from specimens import animal_campaign

@@ -7,7 +7,7 @@ import pytest
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
-from serpenoid.measure.film_scale import film_scale
+from serpenoid.measure.animals.film_scale import film_scale
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.trial_files import neighbour_ratio
 from swimmers_by_curves import Curve

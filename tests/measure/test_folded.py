@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from serpenoid.measure.folded import folded
+from serpenoid.measure.animals.folded import folded
 
 LENGTH = np.linspace(0.0, 1.0, 9)
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from serpenoid.measure.links import link_directions
 from serpenoid.measure.load import load_campaign
+from serpenoid.measure.shapes.links import link_directions
 from specimens import animal_campaign
 from swimmers_by_curves import Curve
 

@@ -7,10 +7,10 @@ import pytest
 from test_trackers import DOWN, NAMES, RATE, swimmer
 
 from serpenoid.errors import InputError
+from serpenoid.measure.formats.points import read_long, read_sleap
+from serpenoid.measure.formats.trackers import Timing, read_deeplabcut, read_sleap_analysis, read_tierpsy
+from serpenoid.measure.formats.wcon import read_wcon
 from serpenoid.measure.load import load_campaign
-from serpenoid.measure.points import read_long, read_sleap
-from serpenoid.measure.trackers import Timing, read_deeplabcut, read_sleap_analysis, read_tierpsy
-from serpenoid.measure.wcon import read_wcon
 
 OTHER = np.array([3.0, -7.0])  # where the second one is, from the first
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from serpenoid.errors import InputError
+from serpenoid.measure.film.relabel import label_vertices
 from serpenoid.measure.load import load_campaign
-from serpenoid.measure.relabel import label_vertices
 from serpenoid.measure.tracks import Tracks
 from specimens import animal_campaign
 from test_animal_words import crawl

@@ -15,8 +15,8 @@ from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.errors import InputError
 from serpenoid.measure.consistency.films import Films
 from serpenoid.measure.consistency.lengths import Shown, all_longer, beside_film, one_longer, turned, wrong_edge
-from serpenoid.measure.lengths import shown_lengths, steady_lengths
 from serpenoid.measure.load import load_campaign
+from serpenoid.measure.shapes.lengths import shown_lengths, steady_lengths
 from serpenoid.measure.trial import build_motion
 from serpenoid.simulation import simulate_joint_angles
 from specimens import animal_campaign

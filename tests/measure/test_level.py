@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from serpenoid.measure.level import levelled
+from serpenoid.measure.film.level import levelled
 from serpenoid.measure.tracks import Tracks, floor_plane
 
 FRAMES = 200

@@ -9,7 +9,7 @@ import pytest
 
 from serpenoid.body import Body
 from serpenoid.measure.link_lengths import hidden_lengths
-from serpenoid.measure.links import chain_vertices
+from serpenoid.measure.shapes.links import chain_vertices
 
 EDGES = [0.055, 0.055, 0.065, 0.065, 0.05, 0.05, 0.075, 0.075, 0.06, 0.06, 0.07, 0.07]
 MIDDLES = [0, 1, 3, 5, 7, 9, 11, 12]

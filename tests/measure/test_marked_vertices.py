@@ -17,8 +17,8 @@ from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.lengths import Shown, one_longer
 from serpenoid.measure.consistency.reach import Reach, reach
 from serpenoid.measure.consistency.rivals import ODDS
-from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.load import load_campaign
+from serpenoid.measure.shapes.links import chain_vertices
 
 ENDS = [0, 2, 4, 6, 8]  # tail, three joints, head
 SHOWN = 0.2e-3 * 2**0.5 / 0.05  # rad: noise of two markers on a link of 50 mm

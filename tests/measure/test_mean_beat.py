@@ -11,8 +11,8 @@ import pytest
 import serpenoid as sp
 from measure.test_beat import JOINTS, SIZE, wave
 from serpenoid.cli.main import main
-from serpenoid.measure.beat import beat
-from serpenoid.measure.mean_beat import ROWS, mean_beat
+from serpenoid.measure.animals.beat import beat
+from serpenoid.measure.animals.mean_beat import ROWS, mean_beat
 
 WORM = Path(__file__).parents[2] / "problems" / "campaigns" / "worm.toml"
 

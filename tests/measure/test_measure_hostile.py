@@ -15,13 +15,13 @@ from rehearsal import serpenoid_table
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
-from serpenoid.measure.columns import ServoColumns, ServoKeys
 from serpenoid.measure.consistency.check import check
 from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.geometry import marker_faults
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.reach import Reach
 from serpenoid.measure.consistency.signals import Signal
+from serpenoid.measure.formats.columns import ServoColumns, ServoKeys
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.logs import ServoLog, read_servo_log
 from serpenoid.measure.schedule import Schedule, start_by_shape

@@ -11,13 +11,13 @@ import pytest
 
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import MotionKeys
-from serpenoid.measure.qualisys import read_qualisys
-from serpenoid.measure.readers import READERS
-from serpenoid.measure.relabel import label_vertices
-from serpenoid.measure.tidy import read_tidy
+from serpenoid.measure.film.relabel import label_vertices
+from serpenoid.measure.formats.qualisys import read_qualisys
+from serpenoid.measure.formats.readers import READERS
+from serpenoid.measure.formats.tidy import read_tidy
+from serpenoid.measure.formats.trc import read_trc
+from serpenoid.measure.formats.vicon import read_vicon
 from serpenoid.measure.tracks import Tracks
-from serpenoid.measure.trc import read_trc
-from serpenoid.measure.vicon import read_vicon
 
 NAMES, FRAMES, RATE = ["Snake:tail", "Snake:joint", "Snake:head"], 12, 50.0
 SPACE = np.round(np.random.default_rng(0).normal(size=(FRAMES, 3, 3)), 6)  # [m]

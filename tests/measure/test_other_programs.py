@@ -14,8 +14,8 @@ from scipy.io import savemat
 from serpenoid.cli.main import main
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import MotionKeys
-from serpenoid.measure.own_names import advice
-from serpenoid.measure.readers import READERS
+from serpenoid.measure.formats.own_names import advice
+from serpenoid.measure.formats.readers import READERS
 from serpenoid.measure.tracks import Tracks
 from serpenoid.scaffold.film_format import format_of
 

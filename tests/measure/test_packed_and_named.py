@@ -10,8 +10,8 @@ import pytest
 
 from serpenoid.errors import InputError
 from serpenoid.files import inputs
-from serpenoid.measure.points import read_long
-from serpenoid.measure.tidy import read_tidy
+from serpenoid.measure.formats.points import read_long
+from serpenoid.measure.formats.tidy import read_tidy
 
 TIDY = "t_s,x_0,y_0,x_1,y_1\n0,0,0,0.1,0\n0.1,0.01,0,0.11,0\n"
 LONG = {"time": "t", "point": "p", "x": "x", "y": "y"}

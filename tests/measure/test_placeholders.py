@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from serpenoid.errors import InputError
+from serpenoid.measure.film.placeholders import without_placeholders
 from serpenoid.measure.load import load_campaign
-from serpenoid.measure.placeholders import without_placeholders
 from serpenoid.measure.tracks import Tracks
 from specimens import animal_campaign
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from serpenoid.errors import InputError
-from serpenoid.measure.points import read_long
-from serpenoid.measure.relabel import label_vertices
+from serpenoid.measure.film.relabel import label_vertices
+from serpenoid.measure.formats.points import read_long
 from serpenoid.measure.tracks import Tracks
 
 LONG = {"time": "t", "point": "p", "x": "x", "y": "y"}

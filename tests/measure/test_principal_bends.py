@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from serpenoid.body import Body
-from serpenoid.measure.chain import estimate_chain
-from serpenoid.measure.links import chain_vertices, marker_angles
-from serpenoid.measure.principal_bends import BendFinder, PrincipalBends
-from serpenoid.measure.smooth import cross_validated, smooth
+from serpenoid.measure.shapes.chain import estimate_chain
+from serpenoid.measure.shapes.links import chain_vertices, marker_angles
+from serpenoid.measure.shapes.principal_bends import BendFinder, PrincipalBends
+from serpenoid.measure.shapes.smooth import cross_validated, smooth
 
 POINTS, FRAMES, NOISE = 31, 200, 0.003  # body lengths; an edge is 0.033
 BODY = Body(kind="crawler", vertices=POINTS)

@@ -10,11 +10,11 @@ import pytest
 from rehearsal import DATA, ROOT, write_c3d
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import load_campaign_file
-from serpenoid.measure.columns import MotionColumns, ServoColumns, ServoKeys
+from serpenoid.measure.formats.columns import MotionColumns, ServoColumns, ServoKeys
+from serpenoid.measure.formats.motive import read_motive
+from serpenoid.measure.formats.points import read_c3d, read_long, read_sleap
+from serpenoid.measure.formats.tidy import read_tidy
 from serpenoid.measure.logs import read_power_log, read_servo_log
-from serpenoid.measure.motive import read_motive
-from serpenoid.measure.points import read_c3d, read_long, read_sleap
-from serpenoid.measure.tidy import read_tidy
 from serpenoid.measure.trial_files import read_files
 from serpenoid.measure.write import write_motive, write_power_log, write_servo_log
 from serpenoid.table_file import read_table as read_joint_table

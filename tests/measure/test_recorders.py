@@ -22,8 +22,8 @@ from serpenoid.compare.start import neutral_model
 from serpenoid.errors import InputError
 from serpenoid.files.workbook import table_text
 from serpenoid.measure.campaign import MotionKeys
+from serpenoid.measure.formats.readers import READERS
 from serpenoid.measure.load import load_campaign
-from serpenoid.measure.readers import READERS
 from serpenoid.measure.tracks import Tracks
 from serpenoid.scaffold.film_format import format_of
 from serpenoid.table_file import read_table

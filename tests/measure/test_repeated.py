@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_filled_in import FRAMES, crawl, tracks
 
-from serpenoid.measure.repeated import without_repeated
+from serpenoid.measure.film.repeated import without_repeated
 
 
 @pytest.mark.parametrize("scale", [1e4, 500])

@@ -10,16 +10,16 @@ import pytest
 
 from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
-from serpenoid.diagnose.data.clocks import align
-from serpenoid.diagnose.data.observation import directions
+from serpenoid.diagnose.data.cameras.observation import directions
+from serpenoid.diagnose.data.recordings.clocks import align
 from serpenoid.errors import InputError
 from serpenoid.measure import clock
 from serpenoid.measure.clock import find_offset
-from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.servo_alignment import seen_corners
 from serpenoid.measure.servo_zeros import lasting
+from serpenoid.measure.shapes.links import chain_vertices
 from serpenoid.measure.trial import build_motion, log_covers
 
 SD = 0.001  # of the markers [body lengths]

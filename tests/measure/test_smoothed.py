@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import savgol_filter
 
+from serpenoid.measure.animals.smoothed import smoothed_over
 from serpenoid.measure.load import load_campaign
-from serpenoid.measure.smoothed import smoothed_over
 from serpenoid.measure.trial import Motion
 from specimens import animal_campaign
 from swimmers_by_curves import Curve

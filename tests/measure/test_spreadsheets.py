@@ -11,11 +11,11 @@ import pytest
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import csv_rows
 from serpenoid.measure.campaign import load_campaign_file
-from serpenoid.measure.columns import MotionColumns, ServoColumns, ServoKeys
+from serpenoid.measure.formats.columns import MotionColumns, ServoColumns, ServoKeys
+from serpenoid.measure.formats.motive import read_motive
+from serpenoid.measure.formats.points import read_long
+from serpenoid.measure.formats.tidy import read_tidy
 from serpenoid.measure.logs import read_servo_log
-from serpenoid.measure.motive import read_motive
-from serpenoid.measure.points import read_long
-from serpenoid.measure.tidy import read_tidy
 from serpenoid.measure.write import write_motive
 from serpenoid.table_file import read_table, write_table
 

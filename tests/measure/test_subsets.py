@@ -8,12 +8,12 @@ import pytest
 from rehearsal import serpenoid_table, snake
 from serpenoid.body import Body
 from serpenoid.compare.rehearse import Laboratory, write_campaign
-from serpenoid.diagnose.data.shapes_from_points import from_points
-from serpenoid.measure.bends import bends_in_time
-from serpenoid.measure.chain import completed, estimate_chain
+from serpenoid.diagnose.data.shapes.shapes_from_points import from_points
 from serpenoid.measure.consistency.signals import Signal
-from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.load import load_campaign
+from serpenoid.measure.shapes.bends import bends_in_time
+from serpenoid.measure.shapes.chain import completed, estimate_chain
+from serpenoid.measure.shapes.links import chain_vertices
 from serpenoid.measure.trial import build_motion
 
 POINTS, FRAMES, RATE, SD = 11, 180, 30.0, 1e-3

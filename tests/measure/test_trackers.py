@@ -14,22 +14,22 @@ from scipy.io import savemat
 from serpenoid.compare.records import trial_record
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_csv
-from serpenoid.measure import readers
-from serpenoid.measure.animal import bends_run, edges_per_wave, leading, remarks
-from serpenoid.measure.arrays import read_array
-from serpenoid.measure.beat import beat
+from serpenoid.measure.animals.animal import bends_run, edges_per_wave, leading, remarks
+from serpenoid.measure.animals.beat import beat
 from serpenoid.measure.campaign import MotionKeys
-from serpenoid.measure.load import load_campaign
-from serpenoid.measure.points import read_long, read_sleap
-from serpenoid.measure.tidy import read_tidy
-from serpenoid.measure.trackers import (
+from serpenoid.measure.formats import readers
+from serpenoid.measure.formats.arrays import read_array
+from serpenoid.measure.formats.points import read_long, read_sleap
+from serpenoid.measure.formats.tidy import read_tidy
+from serpenoid.measure.formats.trackers import (
     Timing,
     read_deeplabcut,
     read_sleap_analysis,
     read_tierpsy,
 )
-from serpenoid.measure.trex import read_trex
-from serpenoid.measure.wcon import read_wcon
+from serpenoid.measure.formats.trex import read_trex
+from serpenoid.measure.formats.wcon import read_wcon
+from serpenoid.measure.load import load_campaign
 
 RATE = 25.0
 NAMES = ["tail", "a", "b", "c", "d", "head"]

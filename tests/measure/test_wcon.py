@@ -10,9 +10,9 @@ import pytest
 
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import load_campaign_file
-from serpenoid.measure.trackers import Timing
+from serpenoid.measure.formats.trackers import Timing
+from serpenoid.measure.formats.wcon import read_wcon
 from serpenoid.measure.trial_files import read_trial
-from serpenoid.measure.wcon import read_wcon
 
 TIME = np.arange(9) / 10
 WAY = np.column_stack([0.3 * TIME, -0.1 * TIME])  # of the body's middle, mm

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from serpenoid.measure.animal import remarks
+from serpenoid.measure.animals.animal import remarks
+from serpenoid.measure.film.quality import Jump
 from serpenoid.measure.load import load_campaign
-from serpenoid.measure.quality import Jump
 from specimens import animal_campaign
 from test_animal_words import crawl
 

@@ -13,7 +13,7 @@ from serpenoid.gaits import EllipseGait
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.objectives import Criteria
-from serpenoid.optimise.apart import Near, Pairs, keep_apart
+from serpenoid.optimise.clear.apart import Near, Pairs, keep_apart
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solve import solve, starts_of
 from serpenoid.optimise.solver import GaitSolver

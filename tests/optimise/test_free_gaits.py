@@ -17,9 +17,9 @@ from serpenoid.mechanics.tables import family_tables, joint_table
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.objectives import Criteria, demands, terms
-from serpenoid.optimise.apart import Near, keep_apart
+from serpenoid.optimise.clear.apart import Near, keep_apart
+from serpenoid.optimise.program.transcription import GaitNLP
 from serpenoid.optimise.solve import solve, solve_from
-from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.problem import Task
 from serpenoid.simulation import simulate_joint_angles
 from serpenoid.status import Status

@@ -23,8 +23,8 @@ from serpenoid.objectives import demands, terms
 from serpenoid.objectives.criteria import NEAR, Gaps
 from serpenoid.objectives.obstacles import Box, Disc, HalfPlane
 from serpenoid.optimise.asked import asked as criteria_of
-from serpenoid.optimise.between import Between, GapField
-from serpenoid.optimise.clearance import RESOLUTION, clearance
+from serpenoid.optimise.clear.between import Between, GapField
+from serpenoid.optimise.clear.clearance import RESOLUTION, clearance
 from serpenoid.optimise.easier import Easier, easier
 from serpenoid.optimise.ladder import FAMILIES, Step, climb, unlike_cycles
 from serpenoid.optimise.outcomes import fine_clear_of_obstacles

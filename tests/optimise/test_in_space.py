@@ -27,10 +27,10 @@ from serpenoid.model import Model
 from serpenoid.objectives import Demand, Term, demands, terms
 from serpenoid.objectives.term import after
 from serpenoid.optimise.multistart import solve_one
-from serpenoid.optimise.nlp import gait_nlp
+from serpenoid.optimise.program.nlp import gait_nlp
+from serpenoid.optimise.program.transcription import GaitNLP
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import GaitSolver
-from serpenoid.optimise.transcription import GaitNLP
 from serpenoid.problem import Problem, Task
 from serpenoid.results import write_solution
 from serpenoid.simulation import lifted as simulation

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from serpenoid.optimise.limits import even_rows, exchange, path_limits, violations
-from serpenoid.optimise.prepared import Carried
+from serpenoid.optimise.program.limits import even_rows, exchange, path_limits, violations
+from serpenoid.optimise.program.prepared import Carried
 from serpenoid.optimise.solver import GaitSolver
 from serpenoid.optimise.starts import random_gaits
 from specimens import problem

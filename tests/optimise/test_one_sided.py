@@ -11,8 +11,8 @@ from serpenoid.errors import InputError
 from serpenoid.objectives import Criteria
 from serpenoid.optimise.certify import gait_costs
 from serpenoid.optimise.interrupt import STOOD, IterationCallback
-from serpenoid.optimise.limits import path_limits, violations
 from serpenoid.optimise.own import certify_table
+from serpenoid.optimise.program.limits import path_limits, violations
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from, starts_of

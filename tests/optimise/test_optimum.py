@@ -14,9 +14,9 @@ from serpenoid.mechanics.tables import joint_table
 from serpenoid.optimise.certify import certify
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
-from serpenoid.optimise.limits import path_limits, violations
 from serpenoid.optimise.motions import Costs
 from serpenoid.optimise.multistart import solve_many
+from serpenoid.optimise.program.limits import path_limits, violations
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import improve, solve, solve_from
 from serpenoid.optimise.solver import GaitSolver

@@ -19,7 +19,7 @@ from serpenoid.objectives.swing import Swing
 from serpenoid.objectives.term import Played
 from serpenoid.objectives.travel import Travel
 from serpenoid.optimise.circle import circle_note
-from serpenoid.optimise.clearance import Clearance
+from serpenoid.optimise.clear.clearance import Clearance
 from serpenoid.optimise.outcomes import goal_words
 from serpenoid.optimise.solution import SelfClear
 from serpenoid.simulation.mesh import MeshStudy

@@ -9,8 +9,8 @@ import pytest
 
 from serpenoid.optimise import refine as refining
 from serpenoid.optimise.interrupt import StopFlag
-from serpenoid.optimise.limits import TOLERANCE
 from serpenoid.optimise.multistart import MultiStart
+from serpenoid.optimise.program.limits import TOLERANCE
 from serpenoid.optimise.refine import refine, refine_best
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve

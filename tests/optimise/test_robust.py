@@ -16,7 +16,7 @@ from serpenoid.cli.main import main
 from serpenoid.errors import InputError
 from serpenoid.medium import Medium
 from serpenoid.model import Model
-from serpenoid.optimise.prepared import Carried
+from serpenoid.optimise.program.prepared import Carried
 from serpenoid.optimise.robust import RobustSolver
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import solve, solve_from

@@ -17,9 +17,9 @@ from serpenoid.mechanics import functions
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.objectives import Criteria
-from serpenoid.optimise.blocks import Cycle
-from serpenoid.optimise.extended import extended_blocks, settings
-from serpenoid.optimise.joint_blocks import baseline_blocks
+from serpenoid.optimise.step.blocks import Cycle
+from serpenoid.optimise.step.extended import extended_blocks, settings
+from serpenoid.optimise.step.joint_blocks import baseline_blocks
 from specimens import nlp_of, phases_of_rows, reference, uneven
 
 pytestmark = pytest.mark.usefixtures("virtual_machine")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from emulated import ROBOT_FILE, gait, serpenoid
 
-from serpenoid.optimise.limits import path_limits, violations
+from serpenoid.optimise.program.limits import path_limits, violations
 from serpenoid.optimise.solve import solve
 from serpenoid.problem import Problem, load
 from serpenoid.robot.table import write_table

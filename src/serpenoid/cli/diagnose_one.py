@@ -14,10 +14,10 @@ from serpenoid.cli.work import SERVOS, Work
 
 if TYPE_CHECKING:
     from serpenoid.diagnose.diagnose import Diagnosis
-    from serpenoid.diagnose.inference.select import Selection
+    from serpenoid.diagnose.inference.search.select import Selection
     from serpenoid.diagnose.stages.baseline import Baseline
-    from serpenoid.diagnose.stages.choose_motion import Searched
     from serpenoid.diagnose.stages.ladder import Climbed
+    from serpenoid.diagnose.stages.motion.choose_motion import Searched
     from serpenoid.measure.campaign import CampaignFile
     from serpenoid.measure.consistency.claims import Believed, Reader
     from serpenoid.parallel import Beside

@@ -10,7 +10,7 @@ from serpenoid.wording import counted
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from serpenoid.optimise.clearance import Clearance
+    from serpenoid.optimise.clear.clearance import Clearance
     from serpenoid.optimise.solution import SelfClear
     from serpenoid.problem import Problem
     from serpenoid.simulation.mesh import MeshStudy

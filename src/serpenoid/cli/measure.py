@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     """Read, write, report."""
     from serpenoid.compare.records import campaign_record
     from serpenoid.files.writing import provenance, write_json
-    from serpenoid.measure.mean_beat import write_beat
+    from serpenoid.measure.animals.mean_beat import write_beat
 
     campaign = campaigns.read(args)
     folder = campaigns.folder(args, args.campaign, "measure")
@@ -147,7 +147,7 @@ def _beat_lines(trial: Trial, motion: Motion) -> list[str]:
     """How an animal bends: what a table commands needs no telling."""
     import numpy as np
 
-    from serpenoid.measure.animal import way_of_bends
+    from serpenoid.measure.animals.animal import way_of_bends
 
     found = motion.beat if trial.schedule is None else None
     if found is None:

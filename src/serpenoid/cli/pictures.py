@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from serpenoid.body import Floats
     from serpenoid.diagnose.diagnose import Diagnosis
-    from serpenoid.diagnose.inference.select import Selection
+    from serpenoid.diagnose.inference.search.select import Selection
     from serpenoid.diagnose.stages.ladder import Step
     from serpenoid.parallel import Beside
 

@@ -24,8 +24,8 @@ from serpenoid.body import Floats
 from serpenoid.body_curve import SMOOTH
 from serpenoid.compare.linearise import Linearised, linearise
 from serpenoid.compare.parameters import bounds, changed, direction
-from serpenoid.measure.chain import VAGUE_SD
-from serpenoid.measure.links import link_directions
+from serpenoid.measure.shapes.chain import VAGUE_SD
+from serpenoid.measure.shapes.links import link_directions
 from serpenoid.model import Model
 
 ITERATIONS = 40

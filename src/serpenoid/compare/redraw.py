@@ -28,9 +28,9 @@ from serpenoid.body import Body, Floats
 from serpenoid.compare.likelihood import Segment, Solution, Whitened, whiten, whitened
 from serpenoid.compare.linearise import Linearised, linearise, relative_poses
 from serpenoid.compare.parameters import changed, direction
-from serpenoid.measure.chain import estimate_about
-from serpenoid.measure.links import link_directions, vertices_by_links
-from serpenoid.measure.principal_bends import smooth_curves
+from serpenoid.measure.shapes.chain import estimate_about
+from serpenoid.measure.shapes.links import link_directions, vertices_by_links
+from serpenoid.measure.shapes.principal_bends import smooth_curves
 from serpenoid.model import Model
 
 PAIRS = 8  # of noise and the same reversed: what is odd in it does not hide what is even

@@ -3,7 +3,7 @@
     shift_i = -C J' (e_i - e),     SD^2 = sum_i shift_i^2        C: covariance, J: derivatives, i: films
 
 with e the white defects (`likelihood`). Errors of films are independent of each other, and of how their points tell
-bends and places (`measure/film_scale.py`).
+bends and places (`measure/animals/film_scale.py`).
 """
 
 from __future__ import annotations

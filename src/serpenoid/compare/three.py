@@ -16,9 +16,9 @@ from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.compare.linearise import about_centroid, mesh_error, relative_poses
 from serpenoid.files.store import remember
-from serpenoid.measure.links import chain_vertices
-from serpenoid.measure.principal_bends import bends_smoother
-from serpenoid.measure.smooth import angles_smoother
+from serpenoid.measure.shapes.links import chain_vertices
+from serpenoid.measure.shapes.principal_bends import bends_smoother
+from serpenoid.measure.shapes.smooth import angles_smoother
 from serpenoid.measure.trial import Motion, Passage, Trial
 from serpenoid.measure.usage import whole_pieces
 from serpenoid.model import Model

@@ -7,14 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from serpenoid.diagnose.changed_trials import changed_trials
-from serpenoid.diagnose.data.reading import read_recordings
+from serpenoid.diagnose.data.recordings.reading import read_recordings
 from serpenoid.diagnose.data.tracked import tracked_recordings
-from serpenoid.diagnose.data.tracks import NoPath
+from serpenoid.diagnose.data.windows.tracks import NoPath
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose, diagnose_tracked
 from serpenoid.diagnose.drag_ratio import drag_ratio_of
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.choose_motion import Searched
 from serpenoid.diagnose.stages.ladder import Climbed
+from serpenoid.diagnose.stages.motion.choose_motion import Searched
 from serpenoid.diagnose.start import (
     at_middles,
     baseline,

@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.tracks import NoPath
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.windows.tracks import NoPath
 from serpenoid.diagnose.diagnose import Diagnosis, diagnose
-from serpenoid.diagnose.inference.finding import Divided, Named, Stage
+from serpenoid.diagnose.inference.fits.finding import Divided, Named, Stage
 from serpenoid.diagnose.reference import reference_of
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.values_of_motion import beside_known
+from serpenoid.diagnose.stages.motion.values_of_motion import beside_known
 
 
 @dataclass(frozen=True)

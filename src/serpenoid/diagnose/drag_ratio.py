@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from serpenoid.compare.calibrate import anisotropy, drag_ratio
 from serpenoid.diagnose.diagnose import Diagnosis, DragRatio
-from serpenoid.diagnose.stages.values_of_motion import ratio_ends, ratio_interval
+from serpenoid.diagnose.stages.motion.values_of_motion import ratio_ends, ratio_interval
 from serpenoid.measure.load import Campaign
 from serpenoid.medium import Medium
 from serpenoid.model import Model

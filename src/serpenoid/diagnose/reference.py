@@ -3,10 +3,11 @@
 Of the earlier campaign its own diagnosis is made first. What it names becomes part of the baseline; what it leaves is
 the model's habitual error, and is taken out of the later campaign where the same gait was played at the same speed:
 window by window from the motion, moment by moment from the servos' readings. What a change changes of this error is in
-proportion to what the change does (inference/discrepancy.py); where a gait is new, all of the error is in doubt. What
-explains the error is a guess where names are stand-ins: the change is fitted beside other guesses, too (`otherwise`):
-eps alone, what was found and refused, and every law of the body's own that explains alone what eps does not. It is
-named beside the guess that makes both campaigns likeliest, and it may be none (inference/explanations.py).
+proportion to what the change does (inference/search/discrepancy.py); where a gait is new, all of the error is in
+doubt. What explains the error is a guess where names are stand-ins: the change is fitted beside other guesses, too
+(`otherwise`): eps alone, what was found and refused, and every law of the body's own that explains alone what eps does
+not. It is named beside the guess that makes both campaigns likeliest, and it may be none
+(inference/doubt/explanations.py).
 
 Legend: W windows of a trial, R log rows, m joints.
 """
@@ -20,24 +21,25 @@ from typing import Any
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.motion import Motion, Repeated
-from serpenoid.diagnose.data.noise import residuals, window_noise
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.paths import repeated
-from serpenoid.diagnose.data.recording import Recording, held_as_all_told
-from serpenoid.diagnose.data.repeats import UNLIKE, by_setting, chance_from
-from serpenoid.diagnose.data.tracks import make_tracks
-from serpenoid.diagnose.data.windows import Track
-from serpenoid.diagnose.diagnose import Diagnosis, record
-from serpenoid.diagnose.inference.explanations import laws
-from serpenoid.diagnose.inference.finding import Named
-from serpenoid.diagnose.inference.medium import linearised
-from serpenoid.diagnose.inference.select import retracked
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.noise.motion import Motion, Repeated
+from serpenoid.diagnose.data.noise.noise import residuals, window_noise
+from serpenoid.diagnose.data.noise.paths import repeated
+from serpenoid.diagnose.data.noise.repeats import UNLIKE, by_setting, chance_from
+from serpenoid.diagnose.data.recordings.recording import Recording, held_as_all_told
+from serpenoid.diagnose.data.windows.tracks import make_tracks
+from serpenoid.diagnose.data.windows.windows import Track
+from serpenoid.diagnose.diagnose import Diagnosis
+from serpenoid.diagnose.inference.doubt.explanations import laws
+from serpenoid.diagnose.inference.fits.finding import Named
+from serpenoid.diagnose.inference.fits.medium import linearised
+from serpenoid.diagnose.inference.search.select import retracked
+from serpenoid.diagnose.record import record
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
+from serpenoid.diagnose.stages.actuation.plays import Plays
+from serpenoid.diagnose.stages.actuation.set_points import by_table
 from serpenoid.diagnose.stages.baseline import Baseline, read_by_servos
-from serpenoid.diagnose.stages.choose_set_points import plays
-from serpenoid.diagnose.stages.plays import Plays
-from serpenoid.diagnose.stages.set_points import by_table
-from serpenoid.diagnose.stages.values_of_motion import ratio_interval
+from serpenoid.diagnose.stages.motion.values_of_motion import ratio_interval
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import Parameter
 from serpenoid.measure.clock import bridged

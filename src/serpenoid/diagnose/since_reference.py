@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.repeats import by_setting
-from serpenoid.diagnose.data.windows import Track
+from serpenoid.diagnose.data.noise.repeats import by_setting
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.windows.windows import Track
 from serpenoid.diagnose.diagnose import Diagnosis
 from serpenoid.diagnose.reference import Reference
 from serpenoid.group import relative

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.body import Body
-from serpenoid.diagnose.data.tracks import NoPath
+from serpenoid.diagnose.data.windows.tracks import NoPath
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError

@@ -12,8 +12,8 @@ from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.files.schema import Duration, FilePath, Line, Name, Record, Text, load
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.columns import MotionColumns, ServoKeys, TimeUnit
-from serpenoid.measure.readers import FORMATS, READERS, MotionFormat
+from serpenoid.measure.formats.columns import MotionColumns, ServoKeys, TimeUnit
+from serpenoid.measure.formats.readers import FORMATS, READERS, MotionFormat
 from serpenoid.measure.tracks import METRES, LengthUnit, Tracks
 from serpenoid.medium import OpenMedium
 from serpenoid.table_file import read_table as read_joint_table

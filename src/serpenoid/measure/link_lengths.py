@@ -19,8 +19,8 @@ from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.geometry import SCALE_SD
 from serpenoid.measure.consistency.lengths import Shown, one_longer
-from serpenoid.measure.links import laid_over
 from serpenoid.measure.servo_alignment import joints_unseen
+from serpenoid.measure.shapes.links import laid_over
 from serpenoid.measure.trial import Trial
 
 MOST_FRAMES = 120  # of a film, evenly chosen: postures decide

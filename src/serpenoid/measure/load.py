@@ -11,13 +11,13 @@ import numpy as np
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.files.store import remember
-from serpenoid.measure.animal import remarks
+from serpenoid.measure.animals.animal import remarks
+from serpenoid.measure.animals.film_scale import FilmScale, film_scale
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.claims import believe
 from serpenoid.measure.consistency.still import nothing_moved
 from serpenoid.measure.consistency.unplayed import as_filmed, unplayed
-from serpenoid.measure.film_scale import FilmScale, film_scale
 from serpenoid.measure.link_lengths import hidden_lengths
 from serpenoid.measure.remark import Remark, remarks_of
 from serpenoid.measure.tracks import Tracks

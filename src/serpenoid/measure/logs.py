@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats, block, increasing_times, place, read_rows
-from serpenoid.measure.columns import (
+from serpenoid.measure.formats.columns import (
     RADIANS,
     SECONDS,
     ServoColumns,

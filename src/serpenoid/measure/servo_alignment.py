@@ -13,12 +13,12 @@ import numpy as np
 
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.chain import ChainEstimate
 from serpenoid.measure.clock import Offset, find_offset, interpolate_smoothly
-from serpenoid.measure.links import bends, chain_vertices, marker_angles
 from serpenoid.measure.logs import TICK, ServoLog
 from serpenoid.measure.schedule import Schedule, start_by_shape
 from serpenoid.measure.servo_zeros import BELIEVED, lasting, told_zeros
+from serpenoid.measure.shapes.chain import ChainEstimate
+from serpenoid.measure.shapes.links import bends, chain_vertices, marker_angles
 
 QUANTISATION_SD = TICK / np.sqrt(12)  # a servo cannot be better than its ticks
 MIN_CORRELATION = 0.5  # below, the servo log and the cameras did not see the same motion: other joints' have less

@@ -21,7 +21,7 @@ import numpy as np
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.match import PHYSICAL
-from serpenoid.measure.links import bends, chain_vertices
+from serpenoid.measure.shapes.links import bends, chain_vertices
 
 BELIEVED = PHYSICAL.zero_sd
 ROUNDS = 6

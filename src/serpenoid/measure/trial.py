@@ -13,14 +13,12 @@ from numpy.typing import NDArray
 
 from serpenoid.body import Body
 from serpenoid.errors import InputError
-from serpenoid.measure.beat import Beat, beat
+from serpenoid.measure.animals.beat import Beat, beat
 from serpenoid.measure.cells import Floats, listed
-from serpenoid.measure.chain import ChainEstimate, completed, estimate_about, estimate_chain
 from serpenoid.measure.clock import interpolate
 from serpenoid.measure.consistency.hypotheses import ROLLS
+from serpenoid.measure.film.quality import Gap, Jump, find_gaps, find_holes, find_jumps
 from serpenoid.measure.logs import PowerLog, ServoLog
-from serpenoid.measure.principal_bends import smooth_curves
-from serpenoid.measure.quality import Gap, Jump, find_gaps, find_holes, find_jumps
 from serpenoid.measure.remark import Remark
 from serpenoid.measure.schedule import Schedule, start_by_log, start_by_shape
 from serpenoid.measure.servo_alignment import (
@@ -31,10 +29,12 @@ from serpenoid.measure.servo_alignment import (
     assumed,
     joints_unseen,
 )
-from serpenoid.measure.smooth import smooth_states
-from serpenoid.measure.strays import without_strays
-from serpenoid.measure.stretches import Stretches, stretches, unstretched
-from serpenoid.measure.wild import beyond_bridge, said_of_hidden
+from serpenoid.measure.shapes.chain import ChainEstimate, completed, estimate_about, estimate_chain
+from serpenoid.measure.shapes.principal_bends import smooth_curves
+from serpenoid.measure.shapes.smooth import smooth_states
+from serpenoid.measure.shapes.strays import without_strays
+from serpenoid.measure.shapes.stretches import Stretches, stretches, unstretched
+from serpenoid.measure.shapes.wild import beyond_bridge, said_of_hidden
 
 REPEATED = 2  # times that stretches are taken off: along the chain as it is with them, and as it is without
 SHORTEST_RUN = 8  # frames: less is no motion

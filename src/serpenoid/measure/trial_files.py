@@ -18,15 +18,15 @@ from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest, remember
 from serpenoid.measure.campaign import CampaignFile, MotionKeys, TrialEntry, read_motion, read_table
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.filled_in import without_filled_in
-from serpenoid.measure.lengths import shown_lengths, steady_lengths
-from serpenoid.measure.level import levelled
+from serpenoid.measure.film.filled_in import without_filled_in
+from serpenoid.measure.film.level import levelled
+from serpenoid.measure.film.placeholders import without_placeholders
+from serpenoid.measure.film.relabel import Labelled, label_vertices
+from serpenoid.measure.film.repeated import without_repeated
+from serpenoid.measure.formats.readers import READERS, up_axis
 from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_servo_log
-from serpenoid.measure.placeholders import without_placeholders
-from serpenoid.measure.readers import READERS, up_axis
-from serpenoid.measure.relabel import Labelled, label_vertices
-from serpenoid.measure.repeated import without_repeated
 from serpenoid.measure.schedule import Schedule
+from serpenoid.measure.shapes.lengths import shown_lengths, steady_lengths
 from serpenoid.measure.tracks import Tracks, in_places
 from serpenoid.parallel import in_processes
 from serpenoid.wording import counted

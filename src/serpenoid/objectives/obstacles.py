@@ -1,7 +1,7 @@
 """What the body must keep clear of: discs, boxes, half-planes; and walls that it must stay within.
 
 Each demand is a signed distance, positive where the body may be; it never grows faster than the point moves and is a
-convex function of it, so what holds at some points and times holds around them (`optimise/clearance.py`). Several
+convex function of it, so what holds at some points and times holds around them (`optimise/clear/clearance.py`). Several
 demands are a union.
 Coordinates: body lengths, in the frame of the first row (origin: centroid; x: mean edge direction).
 """

@@ -1,4 +1,4 @@
-"""Keep off itself: parts of the body that are not neighbours stay apart, at every time (`optimise/apart.py`)."""
+"""Keep off itself: parts of the body that are not neighbours stay apart, at every time (`optimise/clear/apart.py`)."""
 
 from __future__ import annotations
 
@@ -25,4 +25,4 @@ class SelfClearance(Demand):
         return float(np.convolve(edges[1:-1], np.ones(self.between), "valid").min())
 
     def require(self, of: Criteria) -> None:
-        """Nothing at once: pairs are asked for as they come near (`optimise/apart.py`)."""
+        """Nothing at once: pairs are asked for as they come near (`optimise/clear/apart.py`)."""

@@ -16,13 +16,13 @@ from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.gaits import Gait
 from serpenoid.objectives.criteria import Criteria
-from serpenoid.optimise.apart import Near, keep_apart, pairs_of
 from serpenoid.optimise.asked import Customise
-from serpenoid.optimise.clearance import RESOLUTION
+from serpenoid.optimise.clear.apart import Near, keep_apart, pairs_of
+from serpenoid.optimise.clear.clearance import RESOLUTION
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
 from serpenoid.optimise.motions import Costs, GaitBounds
-from serpenoid.optimise.prepared import Carried
+from serpenoid.optimise.program.prepared import Carried
 from serpenoid.optimise.solution import SelfClear
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.problem import Problem

@@ -13,9 +13,9 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.optimise.interrupt import StopFlag
-from serpenoid.optimise.limits import TOLERANCE
 from serpenoid.optimise.motions import GaitBounds
-from serpenoid.optimise.prepared import Carried
+from serpenoid.optimise.program.limits import TOLERANCE
+from serpenoid.optimise.program.prepared import Carried
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.status import Status
 from serpenoid.trajectory import Trajectory

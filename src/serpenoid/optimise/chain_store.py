@@ -13,11 +13,11 @@ from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import read_bytes
 from serpenoid.files.writing import atomic, short_hash
-from serpenoid.optimise.clearance import Clearance
+from serpenoid.optimise.clear.clearance import Clearance
+from serpenoid.optimise.clear.watch import Watch, Watched
 from serpenoid.optimise.ipopt import Outcome, Point
-from serpenoid.optimise.prepared import Carried
+from serpenoid.optimise.program.prepared import Carried
 from serpenoid.optimise.solver import Answer, GaitSolver
-from serpenoid.optimise.watch import Watch, Watched
 from serpenoid.status import Status
 
 CHAIN = "chain"  # the folder of solved points within a results folder

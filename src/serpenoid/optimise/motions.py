@@ -15,13 +15,13 @@ from serpenoid.body import Floats
 from serpenoid.gaits import Gait
 from serpenoid.mechanics.tables import family_tables
 from serpenoid.optimise.asked import Customise, asked
-from serpenoid.optimise.clearance import Clearance
+from serpenoid.optimise.clear.clearance import Clearance
+from serpenoid.optimise.clear.obstacles import Obstacles
 from serpenoid.optimise.ipopt import Point
-from serpenoid.optimise.limits import path_limits, violations
-from serpenoid.optimise.motion_law import needs_states
-from serpenoid.optimise.obstacles import Obstacles
-from serpenoid.optimise.played import Played
+from serpenoid.optimise.program.limits import path_limits, violations
 from serpenoid.optimise.solution import CaseOutcome, SelfClear
+from serpenoid.optimise.step.motion_law import needs_states
+from serpenoid.optimise.step.played import Played
 from serpenoid.problem import Problem
 from serpenoid.simulation.gaits import simulate_gait, simulate_gaits
 from serpenoid.simulation.mesh import FACTORS, FINER, MeshStudy, study_mesh

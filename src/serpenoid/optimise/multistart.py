@@ -14,7 +14,7 @@ from serpenoid.optimise.chain_store import ChainStore, store_of
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
 from serpenoid.optimise.motions import GaitBounds
-from serpenoid.optimise.prepared import Carried
+from serpenoid.optimise.program.prepared import Carried
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.shown import Shown

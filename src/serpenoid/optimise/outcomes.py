@@ -8,9 +8,9 @@ from serpenoid.body import Floats
 from serpenoid.objectives.criteria import Criteria
 from serpenoid.objectives.obstacles import Obstacle
 from serpenoid.objectives.term import Demand, Goal, Played, told
-from serpenoid.optimise.apart import pairs_of
-from serpenoid.optimise.clearance import Clearance
-from serpenoid.optimise.obstacles import Obstacles
+from serpenoid.optimise.clear.apart import pairs_of
+from serpenoid.optimise.clear.clearance import Clearance
+from serpenoid.optimise.clear.obstacles import Obstacles
 from serpenoid.optimise.solution import SelfClear
 from serpenoid.problem import Problem
 from serpenoid.simulation.mesh import FINER

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.optimise.certify import POSE_TOLERANCE
-from serpenoid.optimise.limits import path_limits, violations
+from serpenoid.optimise.program.limits import path_limits, violations
 from serpenoid.problem import Problem
 from serpenoid.shown import Shown
 from serpenoid.simulation import simulate_joint_angles

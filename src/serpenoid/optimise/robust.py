@@ -23,14 +23,14 @@ from serpenoid.optimise.apart_solver import ApartSolver
 from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Point
-from serpenoid.optimise.limits import PathLimits, path_limits
-from serpenoid.optimise.motion_law import motion_law
 from serpenoid.optimise.motions import Costs, GaitBounds
-from serpenoid.optimise.prepared import Carried
-from serpenoid.optimise.robust_nlp import RobustNLP
+from serpenoid.optimise.program.limits import PathLimits, path_limits
+from serpenoid.optimise.program.prepared import Carried
+from serpenoid.optimise.program.robust_nlp import RobustNLP
+from serpenoid.optimise.program.transcription import GaitNLP
 from serpenoid.optimise.solution import CaseOutcome
 from serpenoid.optimise.solver import Answer, GaitSolver
-from serpenoid.optimise.transcription import GaitNLP
+from serpenoid.optimise.step.motion_law import motion_law
 from serpenoid.problem import Problem
 from serpenoid.simulation.gaits import simulate_gaits
 from serpenoid.simulation.mesh import MeshStudy

@@ -9,9 +9,9 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.gaits import Gait
 from serpenoid.objectives.term import NOTHING, told
-from serpenoid.optimise.apart import Pairs
 from serpenoid.optimise.circle import circle_note
-from serpenoid.optimise.clearance import Clearance
+from serpenoid.optimise.clear.apart import Pairs
+from serpenoid.optimise.clear.clearance import Clearance
 from serpenoid.optimise.ipopt import Residuals
 from serpenoid.optimise.unmoved import rest_note, why_unmoved
 from serpenoid.problem import Problem

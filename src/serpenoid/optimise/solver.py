@@ -15,13 +15,13 @@ from serpenoid.body import Floats
 from serpenoid.effects.base import ActuationEffect
 from serpenoid.gaits import Gait
 from serpenoid.optimise.asked import Customise
-from serpenoid.optimise.clearance import RESOLUTION, Clearance
+from serpenoid.optimise.clear.clearance import RESOLUTION, Clearance
 from serpenoid.optimise.easier import easier
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import ROUGH, Outcome, Point
-from serpenoid.optimise.limits import BINDING, TOLERANCE, exchange
 from serpenoid.optimise.motions import GaitBounds
-from serpenoid.optimise.prepared import Carried, PreparedNLPs
+from serpenoid.optimise.program.limits import BINDING, TOLERANCE, exchange
+from serpenoid.optimise.program.prepared import Carried, PreparedNLPs
 from serpenoid.problem import Problem
 from serpenoid.status import Status
 

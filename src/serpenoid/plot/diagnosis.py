@@ -27,7 +27,7 @@ from serpenoid.plot.style import BLUE, INK, NORMAL, ORANGE, SMALL, Colour, dress
 
 if TYPE_CHECKING:
     from serpenoid.diagnose.diagnose import Diagnosis
-    from serpenoid.diagnose.inference.select import Selection
+    from serpenoid.diagnose.inference.search.select import Selection
     from serpenoid.diagnose.stages.ladder import Step
 
 COLUMNS = (4, 3)

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.quiver import Quiver
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.inference.prices import gained_by_chance
+from serpenoid.diagnose.inference.fits.prices import gained_by_chance
 from serpenoid.diagnose.residuals.maps import Bin, Cell, Windows, by_phase, by_speed, cell_side, on_floor
 from serpenoid.effects.catalogue import motion_effects
 from serpenoid.plot.room import settle

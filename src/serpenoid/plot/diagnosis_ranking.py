@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from serpenoid.diagnose.inference.prices import gained_by_chance
+from serpenoid.diagnose.inference.fits.prices import gained_by_chance
 from serpenoid.effects.catalogue import find
 from serpenoid.plot.room import settle
 from serpenoid.plot.style import BLUE, INK, SMALL, dress, figure, legend_above
 
 if TYPE_CHECKING:
-    from serpenoid.diagnose.inference.names import Key
-    from serpenoid.diagnose.inference.select import Selection
+    from serpenoid.diagnose.inference.search.names import Key
+    from serpenoid.diagnose.inference.search.select import Selection
 
 MOST = 12  # and what was chosen
 PALE = "#9CC3DB"

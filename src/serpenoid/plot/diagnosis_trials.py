@@ -13,9 +13,9 @@ from matplotlib.colors import AsinhNorm
 from matplotlib.figure import Figure
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import residuals
-from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.noise import residuals
+from serpenoid.diagnose.data.windows.windows import Prediction, Track
 from serpenoid.plot.room import settle
 from serpenoid.plot.style import ANGLE_MAP, FAINT, GREY, INK, NORMAL, SMALL, dress, figure
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from serpenoid.body import Floats
 from serpenoid.measure.cells import clock as moment
-from serpenoid.measure.quality import find_holes
+from serpenoid.measure.film.quality import find_holes
 from serpenoid.measure.trial import Motion, Trial
 from serpenoid.plot.body import draw_body
 from serpenoid.plot.style import BLUE, CHAIN_MAP, FAINT, GREY, INK, ORANGE, RED, SMALL, dress, figure, legend_above

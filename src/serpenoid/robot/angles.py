@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.errors import InputError
-from serpenoid.measure.columns import RADIANS
+from serpenoid.measure.formats.columns import RADIANS
 from serpenoid.wording import counted
 
 UNITS = ("deg", "rad")

@@ -11,7 +11,7 @@ import numpy as np
 from serpenoid.body import Body, Floats, Kind
 from serpenoid.errors import InputError
 from serpenoid.files.writing import examples, write_csv, write_text
-from serpenoid.measure.readers import NAMES, READERS
+from serpenoid.measure.formats.readers import NAMES, READERS
 from serpenoid.measure.schedule import Schedule
 from serpenoid.medium import Medium
 from serpenoid.scaffold.film import FILM, OF_A_FILM, campaign_of

@@ -12,8 +12,8 @@ from serpenoid.body import ANIMALS, Body
 from serpenoid.errors import InputError
 from serpenoid.files.schema import plain_name, validate
 from serpenoid.measure.campaign import MotionKeys
-from serpenoid.measure.columns import TimeUnit
-from serpenoid.measure.readers import READERS
+from serpenoid.measure.formats.columns import TimeUnit
+from serpenoid.measure.formats.readers import READERS
 from serpenoid.measure.tracks import NoTime, Tracks
 from serpenoid.measure.trial_files import check_frames
 from serpenoid.scaffold.questions import Answers, Question, existing, named, one_of, or_empty, words

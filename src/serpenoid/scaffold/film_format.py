@@ -9,10 +9,10 @@ from typing import Any
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import MATLAB, begins
 from serpenoid.measure.cells import read_rows
-from serpenoid.measure.hdf5_files import hdf5, inside, is_hdf5
-from serpenoid.measure.matlab import OF_IDTRACKER, TRAJECTORIES, read_mat
-from serpenoid.measure.own_names import FIRST_CELLS
-from serpenoid.measure.pandas_table import is_pandas
+from serpenoid.measure.formats.hdf5_files import hdf5, inside, is_hdf5
+from serpenoid.measure.formats.matlab import OF_IDTRACKER, TRAJECTORIES, read_mat
+from serpenoid.measure.formats.own_names import FIRST_CELLS
+from serpenoid.measure.formats.pandas_table import is_pandas
 
 BY_SUFFIX = {".c3d": "c3d", ".npy": "array", ".trc": "trc", ".wcon": "wcon", ".json": "wcon", ".xml": "trackmate"}
 PACKED = (".gz", ".zip")

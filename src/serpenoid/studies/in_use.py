@@ -26,7 +26,7 @@ from serpenoid.table_file import write_table
 from serpenoid.wording import counted
 
 if TYPE_CHECKING:
-    from serpenoid.diagnose.data.recording import Recording
+    from serpenoid.diagnose.data.recordings.recording import Recording
 
 MODELS = {"baseline": "baseline-model.toml", "extended": "extended-model.toml"}
 AVERAGED_S = 0.1
@@ -102,7 +102,7 @@ def play(
 ) -> dict[str, Floats]:
     """Displacements per trial [body lengths a cycle], by gait."""
     from serpenoid.arena.campaign import run_campaign
-    from serpenoid.diagnose.data.reading import read_recordings
+    from serpenoid.diagnose.data.recordings.reading import read_recordings
 
     tables = {name: gait.table for name, gait in gaits.items()}
     for name, table in tables.items():
@@ -114,7 +114,7 @@ def play(
 
 def displacement(r: Recording) -> float:
     """Mean over the cycles of one trial [body lengths]."""
-    from serpenoid.diagnose.data.geometry import register, shapes
+    from serpenoid.diagnose.data.shapes.geometry import register, shapes
 
     poses, _ = register(shapes(r.body, r.angles), r.markers)
 

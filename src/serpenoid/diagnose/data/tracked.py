@@ -17,18 +17,18 @@ import numpy as np
 
 from serpenoid.body import Body, Floats
 from serpenoid.body_curve import PLAIN, SMOOTH
-from serpenoid.diagnose.data.lead import Lead, Run
-from serpenoid.diagnose.data.memory import share_of_poses
-from serpenoid.diagnose.data.shapes_from_points import Smoothed, States, from_points
+from serpenoid.diagnose.data.noise.memory import share_of_poses
+from serpenoid.diagnose.data.shapes.shapes_from_points import Smoothed, States, from_points
 from serpenoid.diagnose.data.still import refuse_still
-from serpenoid.diagnose.data.windows import Track, predictions
+from serpenoid.diagnose.data.windows.lead import Lead, Run
+from serpenoid.diagnose.data.windows.windows import Track, predictions
 from serpenoid.errors import InputError
 from serpenoid.group import relative
 from serpenoid.measure.cells import clock
-from serpenoid.measure.chain import UNCERTAIN
-from serpenoid.measure.links import chain_vertices
 from serpenoid.measure.load import Campaign
 from serpenoid.measure.remark import Remark
+from serpenoid.measure.shapes.chain import UNCERTAIN
+from serpenoid.measure.shapes.links import chain_vertices
 from serpenoid.measure.trial import SHORTEST_RUN, Motion, Trial
 from serpenoid.measure.trial_files import of_every_trial
 from serpenoid.model import Model

@@ -11,7 +11,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from serpenoid.body import Body
-from serpenoid.diagnose.data.windows import Track
+from serpenoid.diagnose.data.windows.windows import Track
 from serpenoid.effects.base import MediumEffect
 from serpenoid.effects.catalogue import catalogue
 from serpenoid.model import Model

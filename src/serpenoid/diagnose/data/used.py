@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.repeats import chance_from
-from serpenoid.diagnose.data.single_markers import told
-from serpenoid.diagnose.data.windows import Track
+from serpenoid.diagnose.data.noise.repeats import chance_from
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.recordings.single_markers import told
+from serpenoid.diagnose.data.windows.windows import Track
 from serpenoid.effects.base import Parameter
 from serpenoid.measure.usage import Usage, said_once
 from serpenoid.media import LAWS

@@ -16,11 +16,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.frame import added, of_frame
-from serpenoid.diagnose.data.geometry import shapes
-from serpenoid.diagnose.data.motion import Noise
-from serpenoid.diagnose.data.windows import predicted_path
-from serpenoid.diagnose.inference.medium import Fit, with_values
+from serpenoid.diagnose.data.cameras.frame import added, of_frame
+from serpenoid.diagnose.data.noise.motion import Noise
+from serpenoid.diagnose.data.shapes.geometry import shapes
+from serpenoid.diagnose.data.windows.windows import predicted_path
+from serpenoid.diagnose.inference.fits.medium import Fit, with_values
 from serpenoid.errors import InputError
 from serpenoid.group import relative
 from serpenoid.measure.schedule import Schedule

@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.data.geometry import shapes
-from serpenoid.diagnose.data.motion import Motion, Noise
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.noise.motion import Motion, Noise
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.shapes.geometry import shapes
 from serpenoid.diagnose.design.contest import Explanation, Plan, Unplayable, expected_chi2
-from serpenoid.diagnose.inference.groups import band
-from serpenoid.diagnose.inference.medium import Fit
+from serpenoid.diagnose.inference.doubt.groups import band
+from serpenoid.diagnose.inference.fits.medium import Fit
 from serpenoid.gaits import EllipseGait
 from serpenoid.joint_range import ranges_deg
 from serpenoid.measure.schedule import Schedule

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import turn
-from serpenoid.diagnose.data.paths import gap_steps
-from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.diagnose.data.noise.paths import gap_steps
+from serpenoid.diagnose.data.shapes.geometry import turn
+from serpenoid.diagnose.data.windows.windows import Prediction, Track
 from serpenoid.group import accumulate, relative
 from serpenoid.report.animated import Animated, Layer
 

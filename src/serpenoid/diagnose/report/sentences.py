@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from math import hypot
 
-from serpenoid.diagnose.data.repeats import UNLIKE
-from serpenoid.diagnose.inference.bounds import LEAST_EPS
-from serpenoid.diagnose.inference.finding import alone
-from serpenoid.diagnose.inference.held_out import fails
-from serpenoid.diagnose.inference.laws import NEITHER
+from serpenoid.diagnose.data.noise.repeats import UNLIKE
+from serpenoid.diagnose.inference.doubt.laws import NEITHER
+from serpenoid.diagnose.inference.fits.bounds import LEAST_EPS
+from serpenoid.diagnose.inference.fits.finding import alone
+from serpenoid.diagnose.inference.fits.held_out import fails
 from serpenoid.diagnose.report.words import (
     Record,
     few,

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterable
 
 from serpenoid.body import WHOLE_LINKS
-from serpenoid.diagnose.inference.finding import alone
+from serpenoid.diagnose.inference.fits.finding import alone
 from serpenoid.diagnose.report.sentences import (
     already_in_short,
     chance,

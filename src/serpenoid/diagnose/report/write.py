@@ -8,9 +8,10 @@ from typing import Any
 
 from serpenoid.body import Body
 from serpenoid.diagnose.changed_trials import ChangedTrials
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.recordings.recording import Recording
 from serpenoid.diagnose.design.experiment import Laboratory, next_experiment
-from serpenoid.diagnose.diagnose import Diagnosis, plain, record
+from serpenoid.diagnose.diagnose import Diagnosis
+from serpenoid.diagnose.record import plain, record
 from serpenoid.diagnose.reference import summary
 from serpenoid.diagnose.since_reference import since_reference
 from serpenoid.effects.active import ActiveEffect

@@ -26,12 +26,12 @@ from scipy.special import fdtri
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import LEFT, largest_factor
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import residuals
-from serpenoid.diagnose.data.paths import apart_by_setting, differing, path_rms, total
-from serpenoid.diagnose.data.repeats import UNLIKE, laid_alike, pairs, repeats
-from serpenoid.diagnose.data.windows import Prediction, predictions
-from serpenoid.diagnose.inference.finding import Divided, alone
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.noise import residuals
+from serpenoid.diagnose.data.noise.paths import apart_by_setting, differing, path_rms, total
+from serpenoid.diagnose.data.noise.repeats import UNLIKE, laid_alike, pairs, repeats
+from serpenoid.diagnose.data.windows.windows import Prediction, predictions
+from serpenoid.diagnose.inference.fits.finding import Divided, alone
 from serpenoid.model import Model
 from serpenoid.simulation.sensitivity import EPS
 from serpenoid.wording import listed

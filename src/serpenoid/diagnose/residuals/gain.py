@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import residuals
-from serpenoid.diagnose.data.paths import path_rms
-from serpenoid.diagnose.data.windows import Prediction
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.noise import residuals
+from serpenoid.diagnose.data.noise.paths import path_rms
+from serpenoid.diagnose.data.windows.windows import Prediction
 from serpenoid.group import accumulate
 
 DRAWS = 400

@@ -30,13 +30,13 @@ from scipy.special import fdtrc
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import LEFT
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import residuals
-from serpenoid.diagnose.data.repeats import pairs, repeats
-from serpenoid.diagnose.data.windows import columns_of, predictions
-from serpenoid.diagnose.inference.finding import Divided
-from serpenoid.diagnose.inference.law_error import LAW_ERROR
-from serpenoid.diagnose.inference.medium import Fit, candidates_of
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.noise import residuals
+from serpenoid.diagnose.data.noise.repeats import pairs, repeats
+from serpenoid.diagnose.data.windows.windows import columns_of, predictions
+from serpenoid.diagnose.inference.doubt.law_error import LAW_ERROR
+from serpenoid.diagnose.inference.fits.finding import Divided
+from serpenoid.diagnose.inference.fits.medium import Fit, candidates_of
 from serpenoid.diagnose.residuals.from_trial_to_trial import MOST
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.simulation.sensitivity import EPS, Column

@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import placed, turn
-from serpenoid.diagnose.data.motion import Motion
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.shapes.geometry import placed, turn
 from serpenoid.diagnose.data.used import length_unit
-from serpenoid.diagnose.data.windows import Prediction, Track
+from serpenoid.diagnose.data.windows.windows import Prediction, Track
 
 SPEEDS, TIMES = 8, 6  # bins
 MOST_PHASES = 16

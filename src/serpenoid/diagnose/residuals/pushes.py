@@ -18,11 +18,11 @@ from scipy.special import ndtri
 
 from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import LEFT
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import FEW, window_noise
-from serpenoid.diagnose.data.paths import PathNoise, apart, path_noise
-from serpenoid.diagnose.data.repeats import repeats
-from serpenoid.diagnose.data.windows import Prediction
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.noise import FEW, window_noise
+from serpenoid.diagnose.data.noise.paths import PathNoise, apart, path_noise
+from serpenoid.diagnose.data.noise.repeats import repeats
+from serpenoid.diagnose.data.windows.windows import Prediction
 
 DRAWS = 600  # two of them are larger than the quantile
 MEDIAN = 0.6745  # of |x| of a normal variable

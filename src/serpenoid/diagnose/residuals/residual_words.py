@@ -7,14 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.motion import Motion
-from serpenoid.diagnose.data.noise import residuals
-from serpenoid.diagnose.data.paths import PathNoise
-from serpenoid.diagnose.data.shared import repeatable
-from serpenoid.diagnose.data.untold import Untold, untold
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.noise import residuals
+from serpenoid.diagnose.data.noise.paths import PathNoise
+from serpenoid.diagnose.data.noise.shared import repeatable
+from serpenoid.diagnose.data.noise.untold import Untold, untold
 from serpenoid.diagnose.data.used import length_unit
-from serpenoid.diagnose.data.windows import Prediction
-from serpenoid.diagnose.inference.finding import VISIBLE
+from serpenoid.diagnose.data.windows.windows import Prediction
+from serpenoid.diagnose.inference.fits.finding import VISIBLE
 from serpenoid.diagnose.residuals.pushes import calm, pushed, trace
 
 DIRECTIONS = ("forward or backward", "sideways", "in turning")

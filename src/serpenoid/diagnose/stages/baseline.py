@@ -8,12 +8,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from serpenoid.body import Body, Floats
-from serpenoid.diagnose.data.motion import Motion, Repeated
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.windows import Track
-from serpenoid.diagnose.stages.choose_set_points import plays
-from serpenoid.diagnose.stages.plays import Plays
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.noise.motion import Motion, Repeated
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.windows.windows import Track
+from serpenoid.diagnose.stages.actuation.choose_set_points import plays
+from serpenoid.diagnose.stages.actuation.plays import Plays
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect
 from serpenoid.errors import InputError

@@ -19,16 +19,16 @@ from typing import Any
 import numpy as np
 
 from serpenoid.body import Floats
-from serpenoid.diagnose.data.geometry import register
-from serpenoid.diagnose.data.noise import residuals
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.paths import total
-from serpenoid.diagnose.data.recording import Recording
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.noise.noise import residuals
+from serpenoid.diagnose.data.noise.paths import total
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.shapes.geometry import register
 from serpenoid.diagnose.data.used import length_unit
-from serpenoid.diagnose.inference.finding import Stage
-from serpenoid.diagnose.stages.choose_motion import MotionFinding
-from serpenoid.diagnose.stages.marker_evidence import sample
-from serpenoid.diagnose.stages.plays import Plays
+from serpenoid.diagnose.inference.fits.finding import Stage
+from serpenoid.diagnose.stages.actuation.plays import Plays
+from serpenoid.diagnose.stages.motion.choose_motion import MotionFinding
+from serpenoid.diagnose.stages.observation.marker_evidence import sample
 from serpenoid.diagnose.stages.whole import whole_errors
 
 

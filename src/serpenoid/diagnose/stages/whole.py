@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from serpenoid.diagnose.data.frame import added, of_frame
-from serpenoid.diagnose.data.geometry import shapes
-from serpenoid.diagnose.data.observation import Observation
-from serpenoid.diagnose.data.paths import path_rms, total
-from serpenoid.diagnose.data.recording import Recording
-from serpenoid.diagnose.data.tracks import NoPath, make_tracks
-from serpenoid.diagnose.data.windows import Prediction, Track, as_put, predicted_path
-from serpenoid.diagnose.stages.choose_motion import MotionFinding
-from serpenoid.diagnose.stages.set_points import corners
+from serpenoid.diagnose.data.cameras.frame import added, of_frame
+from serpenoid.diagnose.data.cameras.observation import Observation
+from serpenoid.diagnose.data.noise.paths import path_rms, total
+from serpenoid.diagnose.data.recordings.recording import Recording
+from serpenoid.diagnose.data.shapes.geometry import shapes
+from serpenoid.diagnose.data.windows.tracks import NoPath, make_tracks
+from serpenoid.diagnose.data.windows.windows import Prediction, Track, as_put, predicted_path
+from serpenoid.diagnose.stages.actuation.set_points import corners
+from serpenoid.diagnose.stages.motion.choose_motion import MotionFinding
 from serpenoid.effects.active import ActiveEffect, joined
 from serpenoid.group import relative
 from serpenoid.measure.schedule import Schedule

@@ -9,12 +9,12 @@ import numpy as np
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import held
-from serpenoid.measure.columns import AngleUnit
 from serpenoid.measure.consistency.match import EXACT, PHYSICAL, Course, Prior
 from serpenoid.measure.consistency.signals import Signal
-from serpenoid.measure.links import bends, chain_vertices
+from serpenoid.measure.formats.columns import AngleUnit
 from serpenoid.measure.schedule import Schedule
 from serpenoid.measure.servo_alignment import seen_corners
+from serpenoid.measure.shapes.links import bends, chain_vertices
 
 
 @dataclass(frozen=True)

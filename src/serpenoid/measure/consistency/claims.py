@@ -14,7 +14,6 @@ from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.cells import Floats, clock
-from serpenoid.measure.columns import AngleUnit
 from serpenoid.measure.consistency.blame import Contradiction
 from serpenoid.measure.consistency.check import Verdict, check
 from serpenoid.measure.consistency.claim import Claim, outline
@@ -32,10 +31,11 @@ from serpenoid.measure.consistency.lost_frames import Lost, set_on
 from serpenoid.measure.consistency.reach import reach
 from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal
-from serpenoid.measure.links import marker_angles
+from serpenoid.measure.formats.columns import AngleUnit
+from serpenoid.measure.formats.readers import up_axis
 from serpenoid.measure.logs import ServoLog
-from serpenoid.measure.readers import up_axis
 from serpenoid.measure.remark import Remark, remarks_of
+from serpenoid.measure.shapes.links import marker_angles
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial_files import (
     Files,

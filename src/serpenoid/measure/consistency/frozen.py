@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from serpenoid.measure.cells import Floats, clock
 from serpenoid.measure.consistency.signals import LEAST_ROWS
-from serpenoid.measure.quality import stretches
+from serpenoid.measure.film.quality import stretches
 from serpenoid.wording import counted
 
 FAR = 10.0  # steps of rounding: who turns about a point that rounds alike moves by less

@@ -15,7 +15,6 @@ from functools import partial
 import numpy as np
 
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.columns import RADIANS, AngleUnit
 from serpenoid.measure.consistency.match import (
     Course,
     Match,
@@ -26,6 +25,7 @@ from serpenoid.measure.consistency.match import (
     match_columns,
 )
 from serpenoid.measure.consistency.signals import Sampled
+from serpenoid.measure.formats.columns import RADIANS, AngleUnit
 from serpenoid.measure.logs import TICK
 from serpenoid.measure.schedule import Schedule
 from serpenoid.wording import counted

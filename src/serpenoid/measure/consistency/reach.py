@@ -19,7 +19,7 @@ import numpy as np
 
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.lengths import chord_shares
+from serpenoid.measure.shapes.lengths import chord_shares
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""What cameras make of a body: the model of observation."""

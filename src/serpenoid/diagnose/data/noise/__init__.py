@@ -1,0 +1,1 @@
+"""What chance does to windows and paths, and what repeats share."""

@@ -1,0 +1,1 @@
+"""Joint angles as functions of time, and bodies of such angles."""

@@ -1,0 +1,1 @@
+"""Tracks cut into windows, and what a model predicts of each."""

@@ -1,0 +1,1 @@
+"""What else it could be: errors of laws, rivals, and what they leave open."""

@@ -1,0 +1,1 @@
+"""Exact fits, what they leave, and what an explanation must be worth."""

@@ -1,0 +1,1 @@
+"""Which effects explain the windows: candidates, full fits, names."""

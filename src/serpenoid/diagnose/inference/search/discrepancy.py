@@ -1,0 +1,96 @@
+"""What a law gets wrong is in proportion to what it does: an explanation's marginal likelihood, its errors included.
+
+    m ~ N(0, v),   v = 1 + a^2 + b^2 E^2
+
+m: mean residual of a setting's repeats in a window and direction, E: what the explanation's effects do there, both in
+units of chance and doubt (white.py). a and b, the sizes of an error that everything shares and of one in proportion,
+are what makes the campaign most likely, for each explanation anew: they shrink when a cause enters that takes their
+place. A second effect that only mends the first one's law (a wheel beside the wheel) gains little; where the law is
+exact, a = b = 0, and this is chi squared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import minimize
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.noise import residuals
+from serpenoid.diagnose.data.noise.repeats import by_setting
+from serpenoid.diagnose.data.noise.white import White
+from serpenoid.diagnose.data.shapes.geometry import way
+from serpenoid.diagnose.inference.fits.medium import Fit, candidates_of, predicted_bare
+from serpenoid.diagnose.inference.fits.prices import gained_by_chance
+from serpenoid.effects.active import ActiveEffect
+
+STARTS = ((-16.0, -4.0), (-4.0, -16.0), (0.0, 0.0))  # ln a^2, ln b^2: one error alone, the other, both
+SMALLEST, LARGEST = -20.0, 16.0
+
+
+def outdone(motion: Motion, full: Fit, bases: Sequence[Fit]) -> list[bool]:
+    """Which fits with an effect less are as likely as a fit: it gains no more than parameters and tries by chance."""
+    if not bases:
+        return []
+    after = information_criterion(motion, full)
+    return [information_criterion(motion, base) <= after for base in bases]
+
+
+def information_criterion(motion: Motion, found: Fit) -> float:
+    """The deviance and the price of parameters and tries (prices.py): the least of several explanations is the best."""
+    deviated, count = deviance(motion, found)
+    tries = gained_by_chance(len(candidates_of(found)) + len(found.effects))
+    return deviated + len(found.coordinates) * float(np.log(max(count, 2))) + len(found.effects) * tries
+
+
+def deviance(motion: Motion, found: Fit, exact: Sequence[ActiveEffect] = ()) -> tuple[float, int]:
+    """-2 ln of an explanation's marginal likelihood, but for a constant of the campaign, and the number of means.
+
+    exact: effects that have no error in proportion.
+    """
+    left = residuals(motion.tracks, found.predictions)
+    moved = done(motion, found, exact)
+    parts = [_means(motion, left, moved, trials) for trials in by_setting(motion.tracks).values()]
+    mean, effect = (np.concatenate(x) for x in zip(*parts, strict=True))
+    return least_deviance(mean, effect), len(mean)
+
+
+def done(motion: Motion, found: Fit, besides: Sequence[ActiveEffect] = ()) -> list[Floats]:
+    """What a fit's effects do in the windows (W, 3) of each track, besides some of them."""
+    bare = predicted_bare(motion, found, besides) if len(found.effects) > len(besides) else found.predictions
+    return [p.displacement - q.displacement for p, q in zip(found.predictions, bare, strict=True)]
+
+
+def size_done(motion: Motion, found: Fit) -> float:
+    """RMS [m] of what a fit's effects do to a window's displacement, turns as in `shared.discrepancy`."""
+    moved = np.concatenate([m[t.usable] for t, m in zip(motion.tracks, done(motion, found), strict=True)])
+    return way(motion.tracks[0].recording.body, np.nanmean(moved**2, axis=0))
+
+
+def least_deviance(mean: Floats, effect: Floats) -> float:
+    """The same of means (K,) and what effects do there (K,), in units of chance and doubt."""
+
+    def surprise(log: Floats) -> float:
+        v = 1 + np.exp(log[0]) + np.exp(log[1]) * effect**2
+        return float((mean**2 / v + np.log(v)).sum())
+
+    bounds = [(SMALLEST, LARGEST)] * 2
+    return min(float(minimize(surprise, x, method="Nelder-Mead", bounds=bounds).fun) for x in STARTS)
+
+
+def _means(motion: Motion, left: list[Floats], moved: list[Floats], trials: list[int]) -> tuple[Floats, Floats]:
+    """Mean residuals of repeats where one is known and what effects do (K,) each, by chance and doubt."""
+    first = motion.tracks[trials[0]]
+    count, shape = min(len(left[i]) for i in trials), first.displacement.shape
+    own, effect = (np.stack([x[i][:count] for i in trials]) for x in (left, moved))
+    known = np.isfinite(own)
+    times = np.zeros(shape)
+    times[:count] = known.sum(axis=0)
+    means = np.zeros((*shape, 2))
+    means[:count] = np.where(known[..., None], np.stack([own, effect], axis=-1), 0.0).sum(axis=0)
+    good = np.asarray(times.all(axis=1))
+    means[good] /= times[good][..., None]
+    white = White(first, motion.noise.chance(first), motion.noise.memory, np.maximum(times, 1)).of(means, good)
+    return white[:, 0], white[:, 1]

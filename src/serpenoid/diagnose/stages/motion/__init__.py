@@ -1,0 +1,1 @@
+"""From shape to path: what floor, water and cameras' frame do."""

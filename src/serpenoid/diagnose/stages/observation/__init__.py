@@ -1,0 +1,1 @@
+"""From reading to marker: zeros, play, lengths, clocks."""

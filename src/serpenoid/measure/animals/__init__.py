@@ -1,0 +1,1 @@
+"""What points alone show: beats, midlines, films without a scale."""

@@ -1,0 +1,1 @@
+"""Files of trackers, motion capture and whatever program: each becomes tracks."""

@@ -1,0 +1,1 @@
+"""Angles and poses of a body from its points and its servos."""

@@ -1,0 +1,1 @@
+"""Keeping clear: of obstacles, and of the body itself."""

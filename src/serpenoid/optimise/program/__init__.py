@@ -1,0 +1,1 @@
+"""The nonlinear program of a whole cycle, laid out and prepared."""

@@ -1,0 +1,1 @@
+"""One step's equations with exact derivatives, for every kind of shape."""
