@@ -62,6 +62,17 @@ MAY_IMPORT = {
 }
 
 
+# rooms within a package, in the order in which they may import each other
+ROOMS = {
+    "measure": ("formats", "film", "shapes", "consistency", "animals"),
+    "diagnose/data": ("shapes", "cameras", "recordings", "windows", "noise"),
+    "diagnose/inference": ("fits", "search", "doubt"),
+    "diagnose/stages": ("actuation", "observation", "motion"),
+    "diagnose": ("data", "inference", "residuals", "stages", "design", "report"),
+    "optimise": ("step", "clear", "program"),
+}
+
+
 @cache
 def parsed(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
@@ -113,6 +124,16 @@ def test_imports_point_one_way(name: str) -> None:
         if room(module(path)) == name:
             known = {room(m) for m in imports(path) if m.startswith("serpenoid.")} - {name}
             assert known <= MAY_IMPORT[name], f"{path.relative_to(SOURCE)} reaches to the right"
+
+
+@pytest.mark.parametrize("package", ROOMS)
+def test_rooms_of_a_package_import_what_stands_before_them(package: str) -> None:
+    order, dotted = ROOMS[package], f"serpenoid.{package.replace('/', '.')}."
+    for number, name in enumerate(order):
+        for path in (SOURCE / package / name).rglob("*.py"):
+            used = {m.removeprefix(dotted).split(".")[0] for m in imports(path) if m.startswith(dotted)}
+            assert not used & set(order[number + 1 :]), f"{path.relative_to(SOURCE)} reaches to a later room"
+    assert {p.name for p in (SOURCE / package).iterdir() if (p / "__init__.py").exists()} == set(order)
 
 
 def test_no_module_imports_itself_through_others() -> None:
