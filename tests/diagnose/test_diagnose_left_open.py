@@ -18,7 +18,8 @@ from serpenoid.diagnose.inference.doubt.left_open import believed, known
 from serpenoid.diagnose.inference.fits.finding import Named, Stage
 from serpenoid.diagnose.inference.fits.medium import Fit, predicted_bare
 from serpenoid.diagnose.inference.search.select import Selection
-from serpenoid.diagnose.report.sentences import ratio_change, undetected
+from serpenoid.diagnose.report.drag import ratio_change
+from serpenoid.diagnose.report.sentences import undetected
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.motion.choose_motion import MotionFinding, beside_earlier
 from serpenoid.diagnose.stages.motion.stand_ins import explained

@@ -11,7 +11,7 @@ import pytest
 from serpenoid.diagnose.diagnose import verdict
 from serpenoid.diagnose.inference.doubt.other_law import of_another_law
 from serpenoid.diagnose.inference.fits.finding import Named, Stage
-from serpenoid.diagnose.report.sentences import inadequacy
+from serpenoid.diagnose.report.verdicts import inadequacy
 from serpenoid.diagnose.stages.motion import choose_motion
 from serpenoid.diagnose.stages.motion.choose_tracked import ASIDE
 from serpenoid.diagnose.stages.motion.stand_ins import another_law, beside_paths

@@ -14,8 +14,8 @@ from blind.campaign import COMBINATIONS, make
 from blind.folder import write
 from blind.protocol import usual, with_joints
 from serpenoid.cli.main import main
-from serpenoid.diagnose.report.sentences import meaning
 from serpenoid.diagnose.report.summary import lines
+from serpenoid.diagnose.report.verdicts import meaning
 from serpenoid.diagnose.stages.motion import ratio_change
 
 SEED, FEW = 61, COMBINATIONS[:1]

@@ -16,7 +16,7 @@ from serpenoid.diagnose.data.recordings.reading import read_recordings
 from serpenoid.diagnose.data.recordings.recording import Recording
 from serpenoid.diagnose.data.windows.tracks import make_tracks
 from serpenoid.diagnose.data.windows.windows import Track
-from serpenoid.diagnose.report.sentences import since
+from serpenoid.diagnose.report.before import since
 from serpenoid.diagnose.since_reference import apart
 from serpenoid.diagnose.start import baseline
 from serpenoid.group import compose

@@ -12,26 +12,14 @@ from blind.protocol import usual
 from serpenoid.body import Body
 from serpenoid.diagnose.data.used import parameter_unit
 from serpenoid.diagnose.inference.search.names import Refused
+from serpenoid.diagnose.report.before import already, already_in_short, reference
 from serpenoid.diagnose.report.cards import cards
+from serpenoid.diagnose.report.drag import drag_ratio, ratio
+from serpenoid.diagnose.report.next_trial import unreliable
 from serpenoid.diagnose.report.pages import _beside, write_pages
-from serpenoid.diagnose.report.sentences import (
-    already,
-    already_in_short,
-    chance,
-    drag_ratio,
-    in_short,
-    inadequacy,
-    left,
-    meaning,
-    ratio,
-    reference,
-    rows,
-    stage_line,
-    undetected,
-    unreliable,
-    within_chance,
-)
+from serpenoid.diagnose.report.sentences import chance, in_short, left, rows, stage_line, undetected, within_chance
 from serpenoid.diagnose.report.summary import _ideas, lines
+from serpenoid.diagnose.report.verdicts import inadequacy, meaning
 from serpenoid.diagnose.report.words import (
     few,
     foremost,

@@ -21,12 +21,7 @@ from serpenoid.measure.formats import readers
 from serpenoid.measure.formats.arrays import read_array
 from serpenoid.measure.formats.points import read_long, read_sleap
 from serpenoid.measure.formats.tidy import read_tidy
-from serpenoid.measure.formats.trackers import (
-    Timing,
-    read_deeplabcut,
-    read_sleap_analysis,
-    read_tierpsy,
-)
+from serpenoid.measure.formats.trackers import Timing, read_deeplabcut, read_sleap_analysis, read_tierpsy
 from serpenoid.measure.formats.trex import read_trex
 from serpenoid.measure.formats.wcon import read_wcon
 from serpenoid.measure.load import load_campaign

@@ -8,12 +8,7 @@ from scipy.optimize import minimize_scalar
 
 from oracle.chain import Floats, serpenoid_joint_table
 from oracle.integrator import REFERENCE, simulate
-from oracle.resistive_force import (
-    sawtooth_angle,
-    sawtooth_efficiency,
-    serpenoid_displacement,
-    wave_efficiency,
-)
+from oracle.resistive_force import sawtooth_angle, sawtooth_efficiency, serpenoid_displacement, wave_efficiency
 from oracle.search import REFERENCE_BOUNDS, global_search, polish
 from oracle.small_strokes import cheapest_stroke
 

@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 
 from oracle.chain import serpenoid_joint_table
-from oracle.resistive_force import (
-    sawtooth_angle,
-    sawtooth_efficiency,
-    serpenoid_displacement,
-    wave_efficiency,
-)
+from oracle.resistive_force import sawtooth_angle, sawtooth_efficiency, serpenoid_displacement, wave_efficiency
 from serpenoid.body import Body
 from serpenoid.medium import Medium
 from serpenoid.model import Model

@@ -38,11 +38,7 @@ def run(args: argparse.Namespace) -> int:
     """Simulate, write, report."""
     from serpenoid.cli.goals import clear_lines, dissipation_name, goal_lines, in_cycles, mesh_lines, speed_lines
     from serpenoid.joint_limits import limit_lines
-    from serpenoid.optimise.outcomes import (
-        clear_of_itself,
-        clear_of_obstacles,
-        fine_clear_of_obstacles,
-    )
+    from serpenoid.optimise.outcomes import clear_of_itself, clear_of_obstacles, fine_clear_of_obstacles
     from serpenoid.problem import load
     from serpenoid.results import default_folder, weight_warning, write_simulation
     from serpenoid.self_contact import crossing_warning

@@ -18,12 +18,7 @@ from serpenoid.diagnose.data.tracked import TrackedRecording
 from serpenoid.diagnose.data.windows.windows import Prediction
 from serpenoid.diagnose.inference.doubt.together import laws_together
 from serpenoid.diagnose.inference.fits.finding import Divided, Named, Rival, Stage
-from serpenoid.diagnose.inference.fits.held_out import (
-    LeaveOut,
-    first_order,
-    fitted_again,
-    held_out,
-)
+from serpenoid.diagnose.inference.fits.held_out import LeaveOut, first_order, fitted_again, held_out
 from serpenoid.diagnose.inference.fits.medium import Fit
 from serpenoid.diagnose.inference.search.tries import unclear
 from serpenoid.diagnose.residuals.gain import Scores, scores

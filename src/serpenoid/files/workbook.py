@@ -14,16 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.errors import InputError
-from serpenoid.files.inputs import (
-    DENSEST,
-    SETTINGS_BYTES,
-    SHEETS,
-    SPREADSHEET,
-    ZIP,
-    begins,
-    read_bytes,
-    read_text,
-)
+from serpenoid.files.inputs import DENSEST, SETTINGS_BYTES, SHEETS, SPREADSHEET, ZIP, begins, read_bytes, read_text
 
 BOOK = "xl/workbook.xml"
 # of archives, XML and what openpyxl makes of it

@@ -22,14 +22,7 @@ from serpenoid.measure.link_lengths import hidden_lengths
 from serpenoid.measure.remark import Remark, remarks_of
 from serpenoid.measure.tracks import Tracks
 from serpenoid.measure.trial import Motion, Passage, Trial, build_motion, cut_passages, log_covers, schedule_start
-from serpenoid.measure.trial_files import (
-    Files,
-    Progress,
-    kept_of_files,
-    of_every_trial,
-    other_lengths,
-    read_files,
-)
+from serpenoid.measure.trial_files import Files, Progress, kept_of_files, of_every_trial, other_lengths, read_files
 from serpenoid.parallel import Workers, results
 
 ALONE = Workers()

@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-from serpenoid.diagnose.report.sentences import (
-    SETTLED,
-    changed_trials,
-    drag_ratio,
-    inadequacy,
-    instead,
-    left_open,
-    meaning,
-    ratio_change,
-    rival_law,
-    undetected,
-    unreliable,
-)
+from serpenoid.diagnose.report.drag import drag_ratio, ratio_change, rival_law
+from serpenoid.diagnose.report.next_trial import left_open, unreliable
+from serpenoid.diagnose.report.sentences import SETTLED, changed_trials, instead, undetected
 from serpenoid.diagnose.report.together import in_common, title_of, titles, together
+from serpenoid.diagnose.report.verdicts import inadequacy, meaning
 from serpenoid.diagnose.report.words import (
     STAND_IN,
     Record,

@@ -11,17 +11,15 @@ from pathlib import Path
 from typing import Any
 
 from serpenoid.diagnose.data.used import parameter_unit
+from serpenoid.diagnose.report.before import already, reference
 from serpenoid.diagnose.report.cards import GAINS, cards, times_noise, unit_of
+from serpenoid.diagnose.report.next_trial import no_experiment, start
 from serpenoid.diagnose.report.sentences import (
     SETTLED,
-    already,
     changed_report,
     changed_trials,
     left,
-    no_experiment,
-    reference,
     seconds,
-    start,
     undetected,
     untestable,
 )

@@ -8,22 +8,15 @@ from collections.abc import Iterable
 
 from serpenoid.body import WHOLE_LINKS
 from serpenoid.diagnose.inference.fits.finding import alone
+from serpenoid.diagnose.report.before import already_in_short, reference
+from serpenoid.diagnose.report.drag import drag_ratio, ratio, ratio_change, rival_law
+from serpenoid.diagnose.report.next_trial import experiment, held_out
 from serpenoid.diagnose.report.sentences import (
-    already_in_short,
     chance,
     changed_report,
     changed_trials,
-    drag_ratio,
-    experiment,
-    held_out,
-    inadequacy,
     instead,
     left,
-    meaning,
-    ratio,
-    ratio_change,
-    reference,
-    rival_law,
     rows,
     seconds,
     stage_line,
@@ -32,6 +25,7 @@ from serpenoid.diagnose.report.sentences import (
     within_chance,
 )
 from serpenoid.diagnose.report.together import in_common, titles, together
+from serpenoid.diagnose.report.verdicts import inadequacy, meaning
 from serpenoid.diagnose.report.words import (
     STAND_IN,
     Record,

@@ -37,14 +37,7 @@ from serpenoid.measure.logs import ServoLog
 from serpenoid.measure.remark import Remark, remarks_of
 from serpenoid.measure.shapes.links import marker_angles
 from serpenoid.measure.tracks import Tracks
-from serpenoid.measure.trial_files import (
-    Files,
-    by_words,
-    ever_seen,
-    label_markers,
-    neighbour_ratio,
-    read_files,
-)
+from serpenoid.measure.trial_files import Files, by_words, ever_seen, label_markers, neighbour_ratio, read_files
 from serpenoid.parallel import in_processes
 from serpenoid.table_file import read_table as read_joint_table
 

@@ -21,12 +21,7 @@ from serpenoid.measure.formats.points import read_c3d, read_long, read_sleap
 from serpenoid.measure.formats.qualisys import read_qualisys
 from serpenoid.measure.formats.sleap_project import is_project, read_sleap_project
 from serpenoid.measure.formats.tidy import read_tidy
-from serpenoid.measure.formats.trackers import (
-    Timing,
-    read_deeplabcut,
-    read_sleap_analysis,
-    read_tierpsy,
-)
+from serpenoid.measure.formats.trackers import Timing, read_deeplabcut, read_sleap_analysis, read_tierpsy
 from serpenoid.measure.formats.trackmate import read_trackmate
 from serpenoid.measure.formats.trc import read_trc
 from serpenoid.measure.formats.trex import read_trex

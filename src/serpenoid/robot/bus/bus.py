@@ -16,14 +16,7 @@ import dynamixel_sdk as sdk
 
 from serpenoid.robot.bus.collisions import Found, read_ping_answers
 from serpenoid.robot.bus.link import PORT_ERRORS, SerialLink, said
-from serpenoid.robot.bus.readings import (
-    Answer,
-    ServoHealth,
-    ServoState,
-    decode,
-    decode_health,
-    decode_state,
-)
+from serpenoid.robot.bus.readings import Answer, ServoHealth, ServoState, decode, decode_health, decode_state
 from serpenoid.robot.faults import BusFault, PortLost
 from serpenoid.robot.models import DEFAULT, Block, Register, ServoModel, by_number, models
 from serpenoid.robot.port import not_opened

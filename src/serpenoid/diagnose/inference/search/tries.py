@@ -9,14 +9,7 @@ import numpy as np
 from serpenoid.diagnose.data.noise.motion import Motion
 from serpenoid.diagnose.data.noise.noise import residuals
 from serpenoid.diagnose.inference.fits.finding import VISIBLE
-from serpenoid.diagnose.inference.fits.medium import (
-    STEPS,
-    Fit,
-    candidates_of,
-    fit,
-    fit_guided,
-    fit_on,
-)
+from serpenoid.diagnose.inference.fits.medium import STEPS, Fit, candidates_of, fit, fit_guided, fit_on
 from serpenoid.diagnose.inference.fits.rules import choose
 from serpenoid.diagnose.inference.search.names import Try, each_without
 from serpenoid.diagnose.inference.search.ranking import score, shortlist
