@@ -53,7 +53,8 @@ class Medium(Record):
     ]
     dissipation: Site = Field(default="vertex", description="where the dissipation elements sit")
     law: Law = DEFAULT
-    softening: Annotated[float, Field(ge=1e-6)] = Field(  # less changes no digit of a motion, and takes longer to solve
+    # less changes no digit of a motion, and takes longer to solve; more is another law, linear drag in the end
+    softening: Annotated[float, Field(ge=1e-6, le=1)] = Field(
         default=0.01,
         description=f"{SOFTENED}: slip below which forces give way, over the element's way in the body frame",
     )

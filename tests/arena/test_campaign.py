@@ -255,3 +255,11 @@ def test_without_mujoco_the_error_names_the_remedy(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(InputError, match="pip install mujoco"):
         mujoco_module()
+
+
+def test_a_spread_of_minus_zero_is_none() -> None:
+    table = {"seed": 1, "gait": [{"name": "wave", "joint_table": "wave.csv"}]}
+    floor, start = {"trial_variation": -0.0, "variation": -0.0}, {"heading_sd_deg": -0.0, "position_sd_m": -0.0}
+    protocol = Protocol.model_validate(table | {"floor": floor, "start": start})
+    spreads = (protocol.floor.trial_variation, protocol.floor.variation, protocol.start.heading_sd_deg)
+    assert np.copysign(1, spreads).tolist() == [1, 1, 1]

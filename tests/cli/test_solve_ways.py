@@ -200,3 +200,34 @@ def test_a_stop_while_refining_does_not_take_the_place_of_a_finer_answer(
     assert main(refining(tmp_path)) == 130
     assert "keeps the answer of an earlier run, which is better" in capsys.readouterr().err
     assert json.loads((tmp_path / "solution.json").read_text())["mesh"]["steps"][0] == 240
+
+
+@pytest.mark.parametrize("where", ["ellipse", "unpolished", "next"])
+def test_ctrl_c_on_the_ladder_is_told_as_a_stop(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, where: str
+) -> None:
+    from dataclasses import replace
+
+    from serpenoid.optimise import ladder
+
+    solve = ladder.solve
+
+    def first(problem, starts, seed):  # type: ignore[no-untyped-def]
+        found = solve(problem, starts, seed)
+        if where == "next":
+            return found
+        if where == "ellipse":
+            return MultiStart((replace(found.best, status=Status.STOPPED),), ())
+        optima = tuple(replace(o, solution=replace(o.solution, polishing_gain=None)) for o in found.optima)
+        return replace(found, optima=optima)
+
+    def then(_problem, _gait, _customise):  # type: ignore[no-untyped-def]
+        assert where == "next"
+        return replace(solve(REFERENCE, 1).best, status=Status.STOPPED)
+
+    monkeypatch.setattr(ladder, "solve", first)
+    monkeypatch.setattr(ladder, "solve_from", then)
+    words = ["--set", "body.vertices=5", "--starts", "1", "--ladder", "--no-figures", "--c", "0.5"]
+    assert main(["solve", str(REFERENCE), *words, "--out", str(tmp_path / "out")]) == 130
+    assert "stopped after" in (said := capsys.readouterr().err)
+    assert "The same command begins anew." in said

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from serpenoid.cli.main import main
-from serpenoid.cli.sweep import _mesh_lines
+from serpenoid.cli.sweep import _lines, _mesh_lines
 
 BODY = "[body]\nvertices = 4\nlength_m = 0.5\n"
 MEDIUM = "[medium]\nanisotropy_ratio = 0.2\n"
@@ -181,3 +181,14 @@ def test_steps_that_are_too_coarse_for_a_gait_are_warned_of_with_what_helps(
     played = written(tmp_path, BODY + MEDIUM + table)
     assert main(["simulate", played, "--no-figures", "--out", str(tmp_path / "second")]) == 0
     assert f"{coarse}give a joint table of 16 rows a cycle\n" in capsys.readouterr().out  # no key makes them more
+
+
+@pytest.mark.parametrize(("solved", "complete", "told"), [(0, False, 0), (2, False, 1), (2, True, 2)])
+def test_a_sweep_that_was_stopped_speaks_only_of_what_it_has(solved: int, complete: bool, told: int) -> None:
+    summary = {
+        "problem": "p", "folder": "f", "solved": solved, "failed": 0, "not_reached": 3 * (not complete), "failures": [],
+        "kept_from_an_earlier_run": 0, "displacement": [0.2, 0.3] if solved else None, "limits": [], "mesh": None,
+        "idle_for_minimum_between_1_and_2": None, "complete": complete,
+    }  # fmt: skip
+    lines = _lines(summary, 4, refined=False)
+    assert sum("either end began" in line or "cost of transport" in line for line in lines) == told

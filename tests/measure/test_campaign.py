@@ -297,3 +297,12 @@ def test_files_that_are_written_while_they_are_read_are_refused_and_not_kept(tmp
         load_campaign(tmp_path)
     monkeypatch.setattr(load, "_aligned", aligned)
     assert len(load_campaign(tmp_path).trials) == 1
+
+
+def test_a_mass_that_may_be_grams_is_asked_about(tmp_path):
+    write_campaign(tmp_path, snake(), {"gait": serpenoid_table(40)}, LAB, 1, 0, cycle_duration_s=2.0, cycles=1)
+    file = tmp_path / "campaign.toml"
+    lines = [line for line in file.read_text().splitlines() if not line.startswith("mass_kg")]
+    file.write_text("\n".join(lines).replace("[body]\n", "[body]\nmass_kg = 1380\n"))
+    (trial,) = load_campaign(tmp_path).trials
+    assert [note for note in trial.notes if "was it given in grams?" in note]

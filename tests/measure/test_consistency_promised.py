@@ -153,3 +153,15 @@ def test_a_pause_that_was_not_kept_is_told_alike_of_all_cycles(duration):
     told = Claim("t", "gait", Schedule(rows, duration, 2, 2.0), commands=Signal(time + 3.1, played.commanded(time)))
     found = check([told], {"gait": rows}).contradictions
     assert [one.cure for one in found] == ["set `pause_s = 1`"]
+
+
+@pytest.mark.parametrize(("witness", "promised"), [("commands", 0.5), ("commands", 0.0), ("cameras", 0.0)])
+def test_another_pause_is_found_where_a_table_of_few_rows_is_held_row_by_row(witness: str, promised: float) -> None:
+    played = Schedule(np.array([[5, 0, -3], [3, 4, 0], [-2, 5, 3], [-5, 0, 4], [-3, -4, 0], [2, -5, -3]]) / 10, 3.0, 2,
+                      0.5, held=True)  # fmt: skip
+    time = np.arange(-0.5, played.end_s + 0.5, 1 / 40)
+    seen = played.commanded(time) + np.random.default_rng(1).normal(0, 0.001, (len(time), 3))
+    told = replace(played, pause_s=promised, held=False)
+    found = check([Claim("t", "gait", told, **{witness: Signal(time + 3, seen)})], {"gait": told.table})
+    says = ["a pause of 0.5 s after every cycle, and `pause_s` says 0" in one.words for one in found.contradictions]
+    assert says == ([] if promised else [True])

@@ -84,7 +84,8 @@ def test_a_straight_body_slides_most_easily_along_itself_and_its_friction_lies_o
 
 
 def test_friction_of_slips_far_below_the_softening_is_linear_drag_with_the_square_of_the_ratio() -> None:
-    soft, pose = friction(0.3, softening=1e4), np.array([0.01, 0.02, 0.05])
+    softer = Medium(anisotropy_ratio=0.3, law="coulomb").model_copy(update={"softening": 1e4})  # no file may say so
+    soft, pose = Model(reference().body, softer), np.array([0.01, 0.02, 0.05])
     drag = Model(reference().body, Medium(anisotropy_ratio=0.09))
     shapes = np.stack([SHAPES[0], SHAPES[0] + [0.03, 0.04]])  # all elements go 0.05 in the frame of the shapes
     # next term of sqrt(q + s^2) - s: relative size q / (4 s^2), 1e-8, of a difference that loses half the digits
@@ -127,6 +128,11 @@ def test_hashes_are_those_of_results_that_are_there(name: str, changes: tuple[st
 def test_uneven_bodies_have_the_law_of_their_medium() -> None:
     assert uneven().law is LAWS["viscous"]
     assert friction().law is LAWS["coulomb"]
+
+
+def test_a_softening_so_large_that_the_law_is_linear_drag_is_refused() -> None:
+    with pytest.raises(ValidationError, match="softening"):
+        friction(softening=1.5)
 
 
 def test_a_softening_below_what_a_motion_shows_is_refused() -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from optimise.test_free_gaits import LINE, differences
 from serpenoid import group
@@ -277,3 +278,9 @@ def test_what_plays_one_angle_a_joint_refuses_a_problem_in_space(tmp_path: Path)
     for kind in ("protocol", "campaign"):
         words = ["new", kind, str(tmp_path / kind), "--problem", str(PROBLEMS / "sidewinding.toml"), "--yes"]
         assert main(words) == 2
+
+
+@pytest.mark.parametrize("name", ["phase", "bias"])
+def test_ranges_that_no_gait_may_have_are_refused_as_they_are_read(name: str) -> None:
+    with pytest.raises(ValidationError, match="must be within"):
+        Lift.model_validate({name: [-1e300, 0.5]})

@@ -57,6 +57,11 @@ def interrupted(number: int) -> tuple[bool, int]:
     return deaf, number
 
 
+def deaf(_number: int) -> bool:
+    """Whether an interrupt is kept from the thread that runs this."""
+    return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
 def slow(folder: str, number: int) -> int:
     (Path(folder) / str(number)).touch()
     time.sleep(0.2)
@@ -82,6 +87,10 @@ def test_workers_are_deaf_to_an_interrupt_from_their_start_to_their_end() -> Non
     found = in_order(interrupted, [(n,) for n in range(6)], Workers(jobs=2))
     assert [number for _, number in found] == list(range(6))
     assert any(deaf for deaf, _ in found)  # a process's first task still has the mask it was started with
+
+
+def test_workers_of_a_cluster_of_this_machine_are_deaf_to_an_interrupt() -> None:
+    assert in_order(deaf, [(0,), (1,)], ANYWHERE[2]) == [True, True]
 
 
 @pytest.mark.slow

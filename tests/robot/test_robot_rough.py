@@ -276,7 +276,7 @@ def test_a_trial_that_has_no_room_on_the_disk_is_refused(tmp_path, monkeypatch):
     usage = SimpleNamespace(free=1000)
     monkeypatch.setattr("serpenoid.robot.log.shutil.disk_usage", lambda folder: usage)
     log = ServoLog(tmp_path / "log", robot())
-    with pytest.raises(InputError, match=r"takes up to 0.4 MB, 0.0 MB are free. Make room, play fewer"):
+    with pytest.raises(InputError, match=r"takes up to \d+ kB, 1 kB are free. Make room, play fewer"):
         log.check_room(1000)
 
 

@@ -73,7 +73,7 @@ class Logs(Record):
     power_hz: Positive = Field(default=50.0, le=240, description="INA260 with averaging: 20 to 100")
     power_noise_W: NotNegative = Field(default=0.02, description="SD of one reading")
     clocks_differ_s: NotNegative = Field(
-        default=2.0, description="servo and power clocks start up to this long before cameras"
+        default=2.0, le=1e6, description="servo and power clocks start up to this long before cameras"
     )
 
 

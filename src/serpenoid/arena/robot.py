@@ -11,14 +11,14 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from serpenoid.arena.chain import Chain, chain_of
 from serpenoid.body import Body, Floats
 from serpenoid.files.schema import Record
 
 Positive = Annotated[float, Field(gt=0)]
-NotNegative = Annotated[float, Field(ge=0)]
+NotNegative = Annotated[float, Field(ge=0), AfterValidator(abs)]  # NumPy takes -0.0 for a negative spread
 
 PAPER_SERVOS = 10
 PAPER_SPACING_M = 0.92 / (PAPER_SERVOS + 1)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def climb_ladder(args: argparse.Namespace, problem: Problem) -> int:
     """Climb, write a folder per family, report."""
     from serpenoid.files.writing import write_json
-    from serpenoid.optimise.ladder import FAMILIES, climb, unlike_cycles
+    from serpenoid.optimise.ladder import FAMILIES, climb, unlike_cycles, was_stopped
     from serpenoid.results import default_folder, write_solution
 
     folder = options.output_folder(
@@ -50,8 +50,9 @@ def climb_ladder(args: argparse.Namespace, problem: Problem) -> int:
     unlike = unlike_cycles(good)
     lines += [] if unlike is None else [f"note: {unlike}"]
     options.report(args, rows, [*lines, f"written to {folder}"], folder)
-    if interrupts.noted:
-        options.complain(f"stopped after {len(steps)} of {FAMILIES} families; they are in {folder}")
+    if interrupts.noted or was_stopped(steps):
+        families = f"{len(good)} of {FAMILIES} families"
+        options.complain(f"stopped after {families}, which are in {folder}. The same command begins anew.")
         return 130
     for step in steps:
         if not step.ok:

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import first_line
+from serpenoid.files.writing import ESCAPED
 from serpenoid.version import __version__
 
 log = logging.getLogger("serpenoid")
@@ -123,7 +124,7 @@ def _handler(path: Path, folders: Iterable[Path]) -> logging.Handler:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with _reader_of(path):
-            handler = _LogFile(path, encoding="utf-8")
+            handler = _LogFile(path, encoding="utf-8", errors=ESCAPED)
     except OSError as error:
         raise InputError(f"--log-file {path}: cannot be written ({error.strerror}).") from None
     handler.setFormatter(logging.Formatter(LINE))

@@ -198,13 +198,18 @@ def _lines(summary: dict, starts: int, refined: bool) -> list[str]:
     return [
         f"{summary['problem']}: {solved}{kept}, {summary['failed']} failed{missing}",
         *_failures(summary["failures"]),
-        *([f"  displacement {went[0]:.4f} .. {went[1]:.4f} body lengths", _transport(window)] if went else []),
+        *([f"  displacement {went[0]:.4f} .. {went[1]:.4f} body lengths"] if went else []),
+        *([_transport(window)] if went and (window or summary["complete"]) else []),
         *beside_lines(summary.get("beside")),
         *(f"  {line}, at the least c" for line in summary["limits"]),
         *_mesh_lines(summary["mesh"], refined, summary["complete"]),
-        f"  either end began from {counted(starts, 'random gait')}; more (--starts) may find a better branch",
+        *([_branches(starts)] if summary["solved"] else []),
         f"  written to {summary['folder']}",
     ]
+
+
+def _branches(starts: int) -> str:
+    return f"  either end began from {counted(starts, 'random gait')}; more (--starts) may find a better branch"
 
 
 def beside_lines(beside: dict[str, Any] | None) -> list[str]:
@@ -250,8 +255,8 @@ def _mesh_lines(mesh: dict[str, Any] | None, refined: bool, complete: bool) -> l
 def _transport(window: list[float] | None) -> str:
     if window is None:
         return (
-            "  cost of transport: no idle energy is told for which it is least between c = 1 and 2: that takes gaits "
-            "that move from c = 1 or less to 2 or more, one of them in between"
+            "  cost of transport: for which idle energy c = 1 to 2 is best is not told: that takes --c from 1 or less "
+            "to 2 or more, with a value in between, and gaits that move there"
         )
     idle = f"{window[0]:.3f} .. {window[1]:.3f}"
     return f"  cost of transport is least between c = 1 and 2 for an idle energy of {idle} a cycle (units of T * E)"

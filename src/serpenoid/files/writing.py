@@ -15,6 +15,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+ESCAPED = "backslashreplace"  # how a file's name in no encoding of the system stands in a text that is UTF-8
 UNFINISHED = ".writing-"
 EARLIER = "earlier-"  # begins the folder of what --force moved aside
 
@@ -47,7 +48,7 @@ def clear_unfinished(folder: Path) -> None:
 
 def write_text(path: str | Path, text: str) -> None:
     with atomic(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8", errors=ESCAPED)
 
 
 def write_json(path: str | Path, data: Any) -> None:
@@ -57,7 +58,7 @@ def write_json(path: str | Path, data: Any) -> None:
 
 def write_csv(path: str | Path, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
     """Write a CSV with full-precision floats."""
-    with atomic(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as stream:
+    with atomic(path) as temporary, temporary.open("w", newline="", encoding="utf-8", errors=ESCAPED) as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(header)
         writer.writerows([_plain(cell) for cell in row] for row in rows)

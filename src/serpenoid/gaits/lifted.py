@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
-from serpenoid.files.schema import Record
+from serpenoid.gaits.bounds import GaitNumbers
 from serpenoid.gaits.ellipse import EllipseBounds, EllipseGait
 from serpenoid.gaits.family import Coordinates, Gait, GaitBounds, GaitFamily
 from serpenoid.gaits.fourier import FourierGait
@@ -25,7 +25,7 @@ OWN = "phase", "bias"  # parameters beside those of the bending
 WIDTHS = 0.01, 0.02  # of phase and bias
 
 
-class Lift(Record):
+class Lift(GaitNumbers):
     """Parts of the body are lifted in a wave, so that contact weights vary over the cycle: gaits in space."""
 
     height: Annotated[float, Field(ge=0, le=0.5, description="of what is lifted highest [body lengths]")] = 0.03

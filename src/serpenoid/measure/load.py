@@ -154,8 +154,8 @@ def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | Non
         )
     if scale_sd > 0:
         notes = [*notes, scale.words]
-    if metres is not None and body.odd_length is not None:
-        notes = [*notes, body.odd_length]
+    if metres is not None:
+        notes = [*notes, *(said for said in (body.odd_length, body.odd_mass) if said)]
     if schedule is not None and motion is not None:
         promised = schedule.cycles
         schedule = as_filmed(schedule, motion.time_s, motion.joint_angles, files.servo_log)

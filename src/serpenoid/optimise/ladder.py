@@ -70,9 +70,10 @@ def climb(problem: Problem, starts: int = 12, seed: int = 0, progress: Progress 
         raise InputError(f"[gait] family: the ladder begins with an ellipse, got `{problem.gait.family}`.")
     if problem.lift is not None:
         raise InputError("[lift]: --ladder leads to joint tables, which do not say what is lifted; leave it out.")
-    first = solve(problem, starts, seed).best
+    started = solve(problem, starts, seed)
+    first = started.best
     steps = [Step("ellipse", first)]
-    if not first.status.ok:
+    if not first.status.ok or len(started.solutions) < starts or any(_stopped(o.solution) for o in started.optima):
         return tuple(steps)
     budget = first.trajectory.dissipation
 
@@ -89,11 +90,22 @@ def climb(problem: Problem, starts: int = 12, seed: int = 0, progress: Progress 
         if progress is not None:
             progress(number, name)
         found = solve_from(problem, begin(good), no_more)
-        if found.status is Status.STOPPED:
+        if _stopped(found):
             break
         steps.append(Step(name, found))
         good = found if found.status.ok else good
     return tuple(steps)
+
+
+def was_stopped(steps: Sequence[Step]) -> bool:
+    """Whether Ctrl-C ended a climb: of itself it ends early at an ellipse that fails, and nowhere else."""
+    first = steps[0].solution.status
+    return len(steps) < FAMILIES and (first.ok or first is Status.STOPPED)
+
+
+def _stopped(found: Solution) -> bool:
+    """Whether Ctrl-C ended its search, or the polishing of what was found."""
+    return found.status is Status.STOPPED or (found.status.ok and found.polishing_gain is None)
 
 
 def _series(last: Solution) -> Gait:

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from serpenoid.errors import InputError
+from serpenoid.parallel.local import interrupts_held
 from serpenoid.parallel.retry import RETRIES
 from serpenoid.version import __version__
 
@@ -51,10 +52,11 @@ def connected(address: str) -> Iterator[Client]:
         logging.getLogger(chatty).setLevel(logging.ERROR)
     if address.startswith(LOCAL):
         count = _count(address)
-        with (
-            LocalCluster(count, threads_per_worker=1, processes=True, dashboard_address=":0") as cluster,
-            Client(cluster) as client,
-        ):
+        with ExitStack() as held:
+            with interrupts_held():  # Dask that is stopped half begun ends in tracebacks
+                of_workers = {"threads_per_worker": 1, "processes": True, "dashboard_address": ":0"}
+                cluster = held.enter_context(LocalCluster(count, **of_workers))
+                client = held.enter_context(Client(cluster))
             yield client
         return
     try:

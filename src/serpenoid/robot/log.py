@@ -51,8 +51,8 @@ class ServoLog:
         needed, free = readings * (LINE_BYTES + JOINT_BYTES * len(self._robot.joint)), shutil.disk_usage(there).free
         if needed > free:
             raise InputError(
-                f"{self._path}: the recording takes up to {needed / 1e6:.1f} MB, {free / 1e6:.1f} MB are free. Make "
-                "room, play fewer cycles, or choose another --log folder."
+                f"{self._path}: the recording takes up to {_size(needed)}, {_size(free)} are free. Make room, play "
+                "fewer cycles, or choose another --log folder."
             )
 
     def begin(self) -> None:
@@ -136,3 +136,7 @@ def open_new(path: Path) -> TextIO:
         raise InputError(_taken(path)) from None
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror}). Choose another --log folder.") from None
+
+
+def _size(count: int) -> str:
+    return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.0f} kB"

@@ -36,7 +36,7 @@ from serpenoid.measure.consistency.hypotheses import (
     turned,
 )
 from serpenoid.measure.consistency.lost_frames import Lost, lost_frames, set_on
-from serpenoid.measure.consistency.match import HIGHEST_GAIN, PHYSICAL, Match, course_of, match
+from serpenoid.measure.consistency.match import HIGHEST_GAIN, PHYSICAL, Match, Prior, course_of, match
 from serpenoid.measure.consistency.rivals import SURE, Compared, Rival, compared, leads, window
 from serpenoid.measure.consistency.signals import AWAY, Signal, moving_s, stopped_s
 from serpenoid.measure.schedule import Schedule
@@ -193,38 +193,62 @@ def _step_of_the_log(
 
 
 def _schedule_against_witness(claim: Claim, tables: Mapping[str, Floats], claims: Sequence[Claim]) -> Compared | None:
+    """The promise and its rivals laid over the first witness there is; where none explains it, also as rows that are
+    held until the next is due, which of a table of few rows is another motion."""
     schedule = claim.schedule
     for signal, witness, prior in claim.witnesses:
         if schedule is not None and signal is not None and signal.enough:
-            own = signal.period_s
-            periods = _periods(signal, own, schedule)
-            slower = schedule.period_s / min([schedule.period_s, *periods])
-            shown = schedule.seen_in(min(slower * float(np.ptp(signal.time_s)), MOST_CYCLES * schedule.period_s))
-            each_s = float(np.median(np.diff(signal.time_s[signal.known])))
-            faults = schedule_faults(shown, claim.label, tables, periods, moving_s(signal), each_s)
-            faults += _stopped(claim, signal, shown)
-            faults += in_one_trial(course_of(shown), claim.label, filmed=signal is claim.cameras)
-            faults, course = _of_any(len(claims), faults), course_of(shown)
-            found = compared(claim.trial, signal, course, own, faults, witness, prior)
-            if found.contract.explained < SURE:
-                key = "motion" if signal is claim.cameras else "servo_log"
-                faults += _of_any(len(claims), _of_other_trials(claim, claims, key, float(np.ptp(signal.time_s))))
-                found = compared(claim.trial, signal, course, own, faults, witness, prior)
+            found = _laid_over(claim, schedule, (signal, witness, prior), tables, claims)
+            if _explained(found) < SURE and not schedule.held:
+                held = _laid_over(claim, replace(schedule, held=True), (signal, witness, prior), tables, claims)
+                found = max(found, held, key=_explained)
             return _told_to_stop(found) if signal is claim.commands else found
     return None
 
 
-def _of_other_trials(claim: Claim, claims: Sequence[Claim], key: str, seconds: float) -> list[Fault]:
-    """What trials of another timing were told, as far as so many seconds show it: a file of theirs, under `key`,
-    instead of its own."""
-    own = claim.schedule
+def _laid_over(
+    claim: Claim,
+    schedule: Schedule,
+    witness: tuple[Signal, str, Prior],
+    tables: Mapping[str, Floats],
+    claims: Sequence[Claim],
+) -> Compared:
+    """A promise, what may be wrong with it, and if that does not explain the motion, what other trials were told."""
+    signal, name, prior = witness
+    own = signal.period_s
+    periods = _periods(signal, own, schedule)
+    slower = schedule.period_s / min([schedule.period_s, *periods])
+    shown = schedule.seen_in(min(slower * float(np.ptp(signal.time_s)), MOST_CYCLES * schedule.period_s))
+    each_s = float(np.median(np.diff(signal.time_s[signal.known])))
+    faults = schedule_faults(shown, claim.label, tables, periods, moving_s(signal), each_s)
+    faults += _stopped(claim, signal, shown)
+    faults += in_one_trial(course_of(shown), claim.label, filmed=signal is claim.cameras)
+    faults, course = _of_any(len(claims), faults), course_of(shown)
+    found = compared(claim.trial, signal, course, own, faults, name, prior)
+    if found.contract.explained < SURE:
+        key = "motion" if signal is claim.cameras else "servo_log"
+        others = _of_other_trials(claim, schedule, claims, key, float(np.ptp(signal.time_s)))
+        faults += _of_any(len(claims), others)
+        found = compared(claim.trial, signal, course, own, faults, name, prior)
+    return found
+
+
+def _explained(found: Compared) -> float:
+    """Share of the motion's variance that the promise explains, or the rival that explains most."""
+    return max([found.contract.explained, *(rival.explained for rival in found.rivals)])
+
+
+def _of_other_trials(claim: Claim, own: Schedule, claims: Sequence[Claim], key: str, seconds: float) -> list[Fault]:
+    """What trials of another timing were told, as far as so many seconds show it, its rows held as its `own` are: a
+    file of theirs, under `key`, instead of its own."""
     others: dict[tuple[str, float, float], tuple[str, Schedule]] = {}
     for other in claims:
         told = other.schedule
-        if own is None or told is None or told.table.shape[1] != own.table.shape[1]:
+        if told is None or told.table.shape[1] != own.table.shape[1]:
             continue
         if (told.cycle_duration_s, told.pause_s) != (own.cycle_duration_s, own.pause_s):
-            others.setdefault((other.label, told.cycle_duration_s, told.pause_s), (other.trial, told))
+            timed = replace(told, held=own.held)
+            others.setdefault((other.label, told.cycle_duration_s, told.pause_s), (other.trial, timed))
     share = -float(np.log(KINDS * max(len(others), 1)))
     cure = f"are files of two trials exchanged? Name each trial's own in `{key}`"
     return [
