@@ -1,7 +1,7 @@
 """What not knowing the edge lengths does to a fit: a jackknife over blocks of frames, to first order.
 
-Lengths that are not given are medians of the distances between markers. Estimated without a block of frames they are a
-little others, and so are shapes, poses and, to first order, the fitted numbers:
+Lengths that are not given are medians of the distances between markers, of an animal means of arcs. Estimated without a
+block of frames they are a little others, and so are shapes, poses and, to first order, the fitted numbers:
 
     shift_b = -C J' (e_b - e),     SD^2 = (B - 1) / B sum_b (shift_b - mean)^2        C: covariance, J: derivatives
 

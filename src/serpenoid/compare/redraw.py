@@ -30,10 +30,11 @@ from serpenoid.compare.linearise import Linearised, linearise, relative_poses
 from serpenoid.compare.parameters import changed, direction
 from serpenoid.measure.shapes.chain import estimate_about
 from serpenoid.measure.shapes.links import link_directions, vertices_by_links
+from serpenoid.measure.shapes.own_noise import own_noise
 from serpenoid.measure.shapes.principal_bends import smooth_curves
 from serpenoid.model import Model
 
-PAIRS = 8  # of noise and the same reversed: what is odd in it does not hide what is even
+DRAWS = 4  # of noise, each in four mirrors: what is odd in it does not hide what is even
 
 
 def redrawn_sd(model: Model, segments: tuple[Segment, ...], solution: Solution) -> Floats:
@@ -45,11 +46,11 @@ def redrawn_sd(model: Model, segments: tuple[Segment, ...], solution: Solution) 
     along = direction(fitted, names, values)
     truths, linears = zip(*(_truth(fitted, segment) for segment in segments), strict=True)
     generator = np.random.default_rng(0)
+    noises = [own_noise(t.markers, DRAWS, generator) for t in truths]
     beyond = []
-    for _ in range(PAIRS):
-        noises = [t.marker_sd * generator.normal(size=np.shape(t.markers)) for t in truths]
-        for sign in (1.0, -1.0):
-            filmed = [replace(t, markers=t.markers + sign * noise) for t, noise in zip(truths, noises, strict=True)]
+    for drawn in zip(*noises, strict=True):
+        for mirrored in zip(*drawn, strict=True):
+            filmed = [replace(t, markers=t.markers + t.marker_sd * n) for t, n in zip(truths, mirrored, strict=True)]
             first = [_estimated(body, each) for each in filmed]
             last = tuple(_estimated(body, _smoothed(each)) for each in first)
             linear = [whitened(lin, each, along, lin) for lin, each in zip(linears, first, strict=True)]

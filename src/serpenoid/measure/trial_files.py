@@ -26,7 +26,7 @@ from serpenoid.measure.film.repeated import without_repeated
 from serpenoid.measure.formats.readers import READERS, up_axis
 from serpenoid.measure.logs import PowerLog, ServoLog, read_power_log, read_servo_log
 from serpenoid.measure.schedule import Schedule
-from serpenoid.measure.shapes.lengths import shown_lengths, steady_lengths
+from serpenoid.measure.shapes.lengths import shown_lengths, usual, without_noise
 from serpenoid.measure.tracks import Tracks, in_places
 from serpenoid.parallel import in_processes
 from serpenoid.wording import counted
@@ -274,7 +274,7 @@ def neighbour_ratio(vertices: Floats, body: Body) -> float:
 
 
 def _estimate_lengths(file: CampaignFile, read: Sequence[Files]) -> Body:
-    """The body with edge lengths = medians over all recordings of what its points show; where these stand along an
+    """The body with the usual edge lengths over all recordings, by what its points show; where these stand along an
     animal's curve is known from the lengths, which are therefore found once more."""
     body = file.body
     for _ in range(2 if body.is_animal else 1):
@@ -294,7 +294,7 @@ def _estimate_lengths(file: CampaignFile, read: Sequence[Files]) -> Body:
                 )
             pairs = ", ".join(f"`{labels[k]}` and `{labels[k + 1]}`" for k in never)
             raise InputError(f"[body] has no lengths, and these neighbours are never seen together: {pairs}. {UNSEEN}")
-        body = body.changed(edge_lengths=_within_reason(_medians(together)))
+        body = body.changed(edge_lengths=_within_reason(_lengths(body, together)))
     return body
 
 
@@ -312,28 +312,34 @@ def _within_reason(edges: Floats) -> tuple[float, ...]:
 def other_lengths(body: Body, read: Sequence[Files], blocks: int) -> Floats:
     """What lengths would be estimated from all frames but a block's, for every block: (blocks, N - 1)."""
     together = _shown(body, read)
-    whole, found = _medians(together), []
+    whole, found = _lengths(body, together), []
     for part in np.array_split(np.arange(len(together)), blocks):
         left = np.delete(together, part, axis=0)
         ever = np.isfinite(left).any(axis=0)
-        found.append(np.where(ever, np.nanmedian(np.where(ever, left, 0.0), axis=0), whole))
+        found.append(np.where(ever, _middle(body, np.where(ever, left, 0.0)), whole))
     return np.stack(found)
 
 
 def _shown(body: Body, read: Sequence[Files]) -> Floats:
     """Lengths of the edges in every frame of all recordings: (F, N - 1)."""
-    shown = [(f.tracks.time_s, f.labelled.vertices) for f in read if f.tracks is not None and f.labelled is not None]
-    distances = [steady_lengths(body, *each) if body.is_animal else shown_lengths(body, each[1]) for each in shown]
+    shown = [f.labelled.vertices for f in read if f.tracks is not None and f.labelled is not None]
+    distances = [without_noise(body, each) if body.is_animal else shown_lengths(body, each) for each in shown]
     if not distances:
         raise InputError("[body] has no lengths and no trial has a motion file to estimate them from.")
     return np.concatenate(distances)
 
 
-def _medians(together: Floats) -> Floats:
+def _lengths(body: Body, together: Floats) -> Floats:
     """Of every edge (N - 1,); InputError where one is never seen."""
     ever = np.isfinite(together).any(axis=0)
     edges = np.full(together.shape[1], np.nan)
-    edges[ever] = np.nanmedian(together[:, ever], axis=0)
+    edges[ever] = _middle(body, together[:, ever])
     if not np.isfinite(edges).all() or (edges <= 0).any():
         raise InputError("[body] has no lengths, and some neighbouring markers are never seen together.")
     return edges
+
+
+def _middle(body: Body, together: Floats) -> Floats:
+    """Of columns (F, c) the medians, of an animal the means of what is usual: its edges are short beside noise, which
+    lengthens one by what it shortens the next by, and means keep that."""
+    return usual(together) if body.is_animal else np.asarray(np.nanmedian(together, axis=0))

@@ -30,15 +30,13 @@ from serpenoid.body import Body
 from serpenoid.body_curve import PLAIN, SMOOTH
 from serpenoid.measure.blocks import blocks
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.shapes.lengths import chord_shares
+from serpenoid.measure.shapes.lengths import chord_shares, in_place
+from serpenoid.measure.shapes.own_noise import own_noise
 from serpenoid.measure.trial_files import ever_seen, stated_between
 
 BLOCKS = 20
-PAIRS = 2  # of noise and the same reversed: what is odd in it does not hide what is even
-ODD = 5.0  # robust SDs about the median: an edge whose end is where it is not
-LEAST_ODD = 0.02  # of a length: what is less does no harm, and of a body that rests the SD is none
+DRAWS = 1  # of noise, in four mirrors: what is odd in it does not hide what is even
 TINY = np.finfo(float).tiny
-ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
 
 
 @dataclass(frozen=True)
@@ -71,11 +69,9 @@ def _scaled(body: Body, points: Floats, degree: int) -> FilmScale:
     rows = first[:, 3] > 0
     if rows.sum() < 2:
         return FilmScale(np.nan, np.nan)
-    told, generator = [first], np.random.default_rng(0)
-    noise = np.sqrt(_variance(first.sum(axis=0), edges))
-    for _ in range(PAIRS if noise > 0 else 0):
-        more = noise * generator.normal(size=points.shape)
-        told += [_told(body, points + sign * more, degree)[0] for sign in (1.0, -1.0)]
+    told, noise = [first], np.sqrt(_variance(first.sum(axis=0), edges))
+    for more in own_noise(points, DRAWS if noise > 0 else 0):
+        told += [_told(body, points + noise * each, degree)[0] for each in more]
     parts = min(BLOCKS, int(rows.sum()))
     each = np.array([[part.sum(axis=0) for part in np.array_split(one[rows], parts)] for one in told])
     whole = each.sum(axis=1)
@@ -87,7 +83,7 @@ def _scaled(body: Body, points: Floats, degree: int) -> FilmScale:
 
 
 def _less_noise(sums: Floats, edges: int) -> float:
-    """s of sums (1 + 2 PAIRS, 4), the first row of the points as they are, less what noise lengthens it by."""
+    """s of sums (1 + 4 DRAWS, 4), the first row of the points as they are, less what noise lengthens it by."""
     scales = sums[:, 0] / sums[:, 1]
     variances = np.array([_variance(row, edges) for row in sums])
     if len(sums) == 1 or variances[0] <= 0:
@@ -112,7 +108,7 @@ def _told(body: Body, points: Floats, degree: int) -> tuple[Floats, int, float]:
     if body.is_animal and len(shown) == body.vertices:
         lengths = lengths / chord_shares(body, points, degree=degree)
     stated = stated_between(shown.tolist(), body.edges_m, body)
-    used = _in_place(np.where(np.isfinite(stated), lengths, np.nan))
+    used = in_place(np.where(np.isfinite(stated), lengths, np.nan))
     often = used.sum(axis=0)
     away = np.where(used, lengths - np.where(used, lengths, 0.0).sum(axis=0) / np.maximum(often, 1), 0.0)
     told = np.where(used, np.nan_to_num(stated), 0.0)
@@ -133,18 +129,6 @@ def _lasting(away: Floats, used: NDArray[np.bool_]) -> float:
     variance = (away**2).sum() / max(int(used.sum()), 1)
     quick = (np.diff(away, axis=0)[both] ** 2).sum() / 2 / max(int(both.sum()), 1)
     return float(np.clip(1 - quick / variance, 0, 1)) if variance > 0 and both.any() else 0.0
-
-
-def _in_place(lengths: Floats) -> NDArray[np.bool_]:
-    """Which edges (F, E) are seen and about as long as usual."""
-    known = np.isfinite(lengths)
-    ever = known.any(axis=0)
-    middle = np.zeros(lengths.shape[1])
-    middle[ever] = np.nanmedian(lengths[:, ever], axis=0)
-    away = np.abs(np.where(known, lengths, np.nan) - middle)
-    usual = np.zeros_like(middle)
-    usual[ever] = ROBUST * np.nanmedian(away[:, ever], axis=0)
-    return known & ~(away > np.maximum(ODD * usual, LEAST_ODD * middle))
 
 
 def _together(beside: Floats) -> Floats:

@@ -3,11 +3,16 @@
     arc = |p_{k+1} - p_k| / (chord over arc of the curve that the links' directions draw)
 
 Chords shorten where the body bends; a body's length along itself does not. Noise of points lengthens both, and an
-animal's points are close together: their paths are smoothed first (`steady_lengths`). Smoothing cuts corners where few
-frames show a beat, and a body whose corners are cut is shorter. That is seen without knowing the beat: arcs do not
-change in time, so what they scatter by is noise, and what noise lengthens is known from it.
+animal's points are close together. What noise lengthens arcs by is found by adding it once more (`without_noise`):
 
-Legend: F frames, N vertices.
+    length = mean(m) - x (mean(m + noise of g) - mean(m)),     g(v) = v + a v^2,     g(v + g) / g = (1 + x) / x^2
+
+m: arcs, v: variance of a point's coordinate, g: the same by what arcs scatter by, which is more of a curve that noise
+bends, x = v / g. Along the body noise lengthens one edge and shortens the next, a body that stretches does so by long
+waves: g is told by the short ones of all waves that so many edges show. Paths are not smoothed: that cuts corners where
+few frames show a beat, and shortens the body.
+
+Legend: F frames, N vertices, E edges.
 """
 
 from __future__ import annotations
@@ -15,18 +20,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from serpenoid.body import Body
 from serpenoid.body_curve import SMOOTH, curve
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import bridged
 from serpenoid.measure.shapes.links import marker_angles
-from serpenoid.measure.shapes.smooth import DEGREE, WINDOWS, cross_validated, smooth, smoother
+from serpenoid.measure.shapes.own_noise import own_noise
 
-SURE = 3.0  # standard errors of a median: a body shorter by more than noise and this has its corners cut
+SURE = 3.0  # standard errors of a median
 ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
-STRETCHED = 3.0  # times its median: no edge grows so long; a point is astray, and would be smeared over a window
+STRETCHED = 3.0  # times its median: no edge grows so long; a point is astray
+ODD = 5.0  # robust SDs about the median: an edge whose end is where it is not
+LEAST_ODD = 0.02  # of a length: what is less does no harm, and of a body that rests the SD is none
 OF_MEDIAN = 1.2533  # standard error of a median over that of a mean, of normal numbers
+LONG_WAVES = 1 / 3  # of all waves along the body: the longest, by which bodies stretch
+DRAWS = 2  # of noise, each in four mirrors: what is odd in it does not hide what is even
 
 
 def shown_lengths(body: Body, points: Floats) -> Floats:
@@ -38,40 +48,52 @@ def shown_lengths(body: Body, points: Floats) -> Floats:
     return distances / chord_shares(body, points) if body.is_animal else distances
 
 
-def steady_lengths(body: Body, time_s: Floats, points: Floats) -> Floats:
-    """The same (F, N - 1) of an animal whose points' paths are smoothed, in frames that show all of them where they
-    are, as much as predicts them best, but never so much that the body is shorter than noise makes it."""
+def without_noise(body: Body, points: Floats) -> Floats:
+    """The same (F, E) of an animal, every edge less what noise of points lengthens it by in frames that show all."""
     found = shown_lengths(body, points)
     rows = np.flatnonzero(np.isfinite(points).all(axis=(1, 2)))
     if len(rows):
         rows = rows[(found[rows] <= STRETCHED * np.median(found[rows], axis=0)).all(axis=1)]
-    columns = points[rows].reshape(len(rows), 2 * body.vertices)
-    best = cross_validated(time_s[rows], columns)
-    if best is None:
+    seen, raw = points[rows], found[rows]
+    variance = _noise_variance(body, raw, seen) if len(rows) else 0.0
+    if not variance > 0:
         return found
-    for window in (w for w in reversed(WINDOWS) if DEGREE < w <= best[1].shape[1]):
-        smoothed = smooth(columns, *smoother(time_s[rows], window)).reshape(len(rows), -1, 2)
-        lengths = shown_lengths(body, smoothed)
-        if not _cuts_corners(body, found[rows], smoothed, lengths):
-            found[rows] = lengths
-            break
-    return found
+    noisy = [seen + each for noise in own_noise(seen, DRAWS) for each in np.sqrt(variance) * noise]
+    lengths = [shown_lengths(body, each) for each in noisy]
+    growth = np.mean([_noise_variance(body, *each) for each in zip(lengths, noisy, strict=True)]) / variance
+    own = min(1.0, float(1 + np.sqrt(1 + 4 * growth)) / (2 * growth))  # x
+    return found - own * (np.mean([usual(each) for each in lengths], axis=0) - usual(raw))
 
 
-def _cuts_corners(body: Body, raw: Floats, smoothed: Floats, lengths: Floats) -> bool:
-    """Whether a body is shorter by lengths (F, N - 1) of smoothed points (F, N, 2) than by raw ones, by more than noise
-    of the points lengthens those."""
-    noise = float(np.median(_scatter(raw))) / np.sqrt(2)  # of one coordinate: an arc has two ends
-    noisy = smoothed + noise * np.random.default_rng(0).normal(size=smoothed.shape)
-    whole = raw.sum(axis=1)
-    shorter, by_noise = (_middle(each) - _middle(lengths) for each in (raw, shown_lengths(body, noisy)))
-    error = OF_MEDIAN * float(_scatter(whole[:, None])[0]) / np.sqrt(len(whole))
-    return shorter > by_noise + SURE * error
+def usual(lengths: Floats) -> Floats:
+    """Mean (E,) of every edge (F, E) over the frames that show it about as long as usual; NaN where none does."""
+    used = in_place(lengths)
+    often = used.sum(axis=0)
+    total = np.where(used, lengths, 0.0).sum(axis=0)
+    return np.where(often > 0, total / np.maximum(often, 1), np.nan)
 
 
-def _middle(lengths: Floats) -> float:
-    """Of the whole body: the sum of every edge's median."""
-    return float(np.median(lengths, axis=0).sum())
+def in_place(lengths: Floats) -> NDArray[np.bool_]:
+    """Which edges (F, E) are seen and about as long as usual."""
+    known = np.isfinite(lengths)
+    ever = known.any(axis=0)
+    middle = np.zeros(lengths.shape[1])
+    middle[ever] = np.nanmedian(lengths[:, ever], axis=0)
+    away = np.abs(np.where(known, lengths, np.nan) - middle)
+    scatter = np.zeros_like(middle)
+    scatter[ever] = ROBUST * np.nanmedian(away[:, ever], axis=0)
+    return known & ~(away > np.maximum(ODD * scatter, LEAST_ODD * middle))
+
+
+def _noise_variance(body: Body, lengths: Floats, points: Floats) -> float:
+    """Of a coordinate of points (F, N, 2), by what their lengths (F, E) scatter by: the middle one of
+    waves along the body that no body stretches by."""
+    count = lengths.shape[1]
+    places, halves = np.arange(count) + 0.5, np.arange(max(1, int(LONG_WAVES * count)), count)  # half waves on the body
+    waves = np.cos(np.pi * np.outer(places, halves) / count)
+    beside = np.diag(np.cos(marker_angles(body, points)).mean(axis=0), 1)
+    by_noise = ((2 * np.eye(count) - beside - beside.T) @ waves * waves).sum(axis=0)
+    return float(np.median(_scatter(lengths @ waves) ** 2 / by_noise))
 
 
 def _scatter(columns: Floats) -> Floats:
