@@ -22,7 +22,7 @@ from serpenoid.diagnose.data.noise.motion import Motion
 from serpenoid.diagnose.inference.doubt.differing import _Drawn
 from serpenoid.diagnose.inference.fits.evidence import Evidence
 from serpenoid.diagnose.inference.fits.medium import TO_THE_END, Fit, candidates_of, fit, with_values
-from serpenoid.diagnose.inference.search import select
+from serpenoid.diagnose.inference.search import all_places
 from serpenoid.diagnose.inference.search.all_places import all_at_once
 from serpenoid.diagnose.inference.search.select import calibrated, one_for_several
 from serpenoid.effects.active import ActiveEffect
@@ -120,9 +120,9 @@ def test_more_places_that_all_tell_than_a_body_of_so_many_joints_has_mend_the_la
         told.append({e.name for e in found.effects})
         return found
 
-    monkeypatch.setattr(select, "fit", fitted)
-    monkeypatch.setattr(select, "told", kept)
-    monkeypatch.setattr(select, "choose", lambda *_: None)
+    monkeypatch.setattr(all_places, "fit", fitted)
+    monkeypatch.setattr(all_places, "told", kept)
+    monkeypatch.setattr(all_places, "choose", lambda *_: None)
     motion: Any = SimpleNamespace(untestable=frozenset())
     poor = replace(fitted(motion, model, [], np.array([0.2])), chi2=1e4)
     assert all_at_once(motion, poor, len(candidates_of(poor))) is poor

@@ -12,7 +12,7 @@ from serpenoid.diagnose.data.chance import SYSTEMATIC
 from serpenoid.diagnose.data.noise.paths import strays, total
 from serpenoid.diagnose.inference.fits.held_out import first_order, left_open, of_each_gait, part
 from serpenoid.diagnose.inference.fits.medium import Fit, linearised, with_values
-from serpenoid.diagnose.report import sentences
+from serpenoid.diagnose.report import next_trial
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.words import shown
 
@@ -64,7 +64,7 @@ def test_where_no_gaits_are_held_out_none_is_named(diagnosed: tuple[Any, dict[st
     ],
 )
 def test_it_is_told_where_it_is_more_than_noise(open_m: float, said: list[str]) -> None:
-    assert sentences.left_open(opened(open_m)) == said
+    assert next_trial.left_open(opened(open_m)) == said
 
 
 def opened(open_m: float, **by_gait: float) -> dict[str, Any]:
@@ -76,7 +76,7 @@ def opened(open_m: float, **by_gait: float) -> dict[str, Any]:
 
 def test_gaits_that_alone_tell_a_value_are_named(diagnosed: tuple[Any, dict[str, Any], Any]) -> None:
     record = opened(2e-3, tail=5e-3, head=4e-4)
-    assert sentences.left_open(record) == [
+    assert next_trial.left_open(record) == [
         "2 mm is expected, as the other gaits tell too little of tail: play more of that kind"
     ]
     record = diagnosed[1] | record | {"gain": diagnosed[1]["gain"]}

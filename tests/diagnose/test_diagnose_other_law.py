@@ -12,7 +12,7 @@ from serpenoid.diagnose.diagnose import verdict
 from serpenoid.diagnose.inference.doubt.other_law import of_another_law
 from serpenoid.diagnose.inference.fits.finding import Named, Stage
 from serpenoid.diagnose.report.verdicts import inadequacy
-from serpenoid.diagnose.stages.motion import choose_motion
+from serpenoid.diagnose.stages.motion import stand_ins
 from serpenoid.diagnose.stages.motion.choose_tracked import ASIDE
 from serpenoid.diagnose.stages.motion.stand_ins import another_law, beside_paths
 from serpenoid.effects.active import ActiveEffect
@@ -67,7 +67,7 @@ def test_limits_are_those_that_the_medium_states() -> None:
 
 
 def test_such_names_are_stand_ins_and_explain_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(choose_motion, "ratio_interval", lambda found, stage: TO_ONE)
+    monkeypatch.setattr(stand_ins, "ratio_interval", lambda found, stage: TO_ONE)
     found = SimpleNamespace(motion=SimpleNamespace(ratio=None), settled=SimpleNamespace(model=SimpleNamespace()))
     found.settled.model.medium, found.settled.model.body = MEDIUM, SimpleNamespace(vertices=VERTICES)
     stage = Stage("motion", BOTH)

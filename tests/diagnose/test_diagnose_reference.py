@@ -35,7 +35,7 @@ from serpenoid.diagnose.stages.actuation.choose_actuation import beside_a_larger
 from serpenoid.diagnose.stages.actuation.choose_set_points import plays
 from serpenoid.diagnose.stages.actuation.plays import Plays
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.stages.motion import choose_motion
+from serpenoid.diagnose.stages.motion import stand_ins
 from serpenoid.diagnose.stages.motion.choose_motion import GUESS
 from serpenoid.diagnose.stages.motion.values_of_motion import beside_known
 from serpenoid.diagnose.start import baseline
@@ -284,13 +284,13 @@ def test_names_of_the_floor_are_marked_where_what_repeats_is_news(
 ) -> None:
     """A reference that missed nothing makes no excuse for what is left; of one that did, the change is what takes away
     most. A pull at one vertex beside a healthy reference was named `slope`, without a mark."""
-    monkeypatch.setattr(choose_motion, "untold", lambda *_: None)
-    monkeypatch.setattr(choose_motion, "residuals", lambda *_: [])
+    monkeypatch.setattr(stand_ins, "untold", lambda *_: None)
+    monkeypatch.setattr(stand_ins, "residuals", lambda *_: [])
     slope = ActiveEffect.typical("slope", None)
     fit = SimpleNamespace(effects=[slope], chi2=1.0, predictions=())
     motion = SimpleNamespace(ratio=0.2, tracks=())
     found = SimpleNamespace(motion=motion, best=fit, bases=[SimpleNamespace(chi2=9.0)], settled=fit)
-    (named,) = choose_motion.with_stand_ins(cast(Selection, found), [Named(slope, {}, 5.0)], inadequate)
+    (named,) = stand_ins.with_stand_ins(cast(Selection, found), [Named(slope, {}, 5.0)], inadequate)
     assert named.stand_in == marked
 
 
@@ -370,7 +370,7 @@ def test_what_the_mesh_misses_is_that_of_the_model_whose_error_is_a_habit(follow
     [(168.0, 80.0, 0.475), (26.0, 5.0, 0.0), (4.0, 3.0, 0.0), (4.0, 4.5, 1.0)],  # noise alone, in the last two
 )
 def test_what_remains_of_a_path_is_told_beyond_noise(before: float, after: float, remains: float) -> None:
-    assert choose_motion.left_of(before, after, 5.0) == pytest.approx(remains, abs=1e-3)
+    assert stand_ins.left_of(before, after, 5.0) == pytest.approx(remains, abs=1e-3)
 
 
 @pytest.mark.parametrize(("without", "marked"), [(12.0, True), (80.0, False)])
@@ -383,8 +383,8 @@ def test_a_name_beside_which_a_third_of_its_own_trace_remains_is_marked(
     found: Any = SimpleNamespace(
         motion=SimpleNamespace(ratio=0.2), best=SimpleNamespace(effects=(load, toe)), bases=bases, noise_level_m=1.0
     )
-    monkeypatch.setattr(choose_motion, "path_error", lambda motion, predictions: predictions)
-    names = choose_motion.mending(found, [Named(load, {}, 4.0), Named(toe, {}, 70.0)], 90.0, 9.5)
+    monkeypatch.setattr(stand_ins, "path_error", lambda motion, predictions: predictions)
+    names = stand_ins.mending(found, [Named(load, {}, 4.0), Named(toe, {}, 70.0)], 90.0, 9.5)
     assert [n.stand_in for n in names] == [marked, False]
 
 

@@ -22,7 +22,7 @@ from serpenoid.diagnose.inference.fits.medium import Fit
 from serpenoid.diagnose.residuals.gain import Scores
 from serpenoid.diagnose.stages.actuation.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.actuation.choose_set_points import plays
-from serpenoid.diagnose.stages.motion import borne_out, choose_motion
+from serpenoid.diagnose.stages.motion import borne_out, choose_motion, stand_ins
 from serpenoid.diagnose.stages.motion.ratio_change import RatioChange
 from serpenoid.effects.active import ActiveEffect
 
@@ -68,11 +68,11 @@ def test_names_that_may_be_parts_of_what_is_left_are_marked(
     over_markers: float, strength: float, marked: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """(1 - 1 / 1.2^2)^(1/2) = 0.553 of what is left is none of the markers' noise: a third of 1.66."""
-    monkeypatch.setattr(choose_motion, "over_markers", lambda _: over_markers)
-    monkeypatch.setattr(choose_motion, "noise_uncertain", lambda _: 0.01)  # chance makes 1.1 of 1.0 at most
+    monkeypatch.setattr(stand_ins, "over_markers", lambda _: over_markers)
+    monkeypatch.setattr(stand_ins, "noise_uncertain", lambda _: 0.01)  # chance makes 1.1 of 1.0 at most
     floor = Named(ActiveEffect.typical("slope"), {}, strength)
     servo = Named(ActiveEffect.typical("servo_lag"), {}, strength)
-    of_floor, of_servo = choose_motion.beside_what_is_left(cast(Motion, None), [floor, servo])
+    of_floor, of_servo = stand_ins.beside_what_is_left(cast(Motion, None), [floor, servo])
     assert of_floor.stand_in == marked
     assert not of_servo.stand_in  # the motion says nothing of servos
 
