@@ -42,10 +42,10 @@ def worm(noise: float = 1e-4) -> np.ndarray:
 @pytest.mark.parametrize("size", [1.0, 10.0, 1e4])
 def test_points_far_astray_do_not_stretch_the_body(size: float) -> None:
     rng, points = np.random.default_rng(1), worm()
-    whole = usual(without_noise(WORM, points))
+    whole = usual(without_noise(WORM, TIME, points))
     for frame in rng.choice(len(TIME), 16, replace=False):
         points[frame, rng.integers(6)] += size * rng.normal(size=2)
-    found = usual(without_noise(WORM, points))
+    found = usual(without_noise(WORM, TIME, points))
     assert found == pytest.approx(whole, rel=0.005)  # the scatter of a tenth fewer frames; before: up to thousands
 
 

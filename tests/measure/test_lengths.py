@@ -192,9 +192,11 @@ def test_a_beat_of_few_frames_shortens_no_animal(tmp_path: Path, frames_a_beat: 
 @pytest.mark.parametrize("frames_a_beat", [6.0, 12.0, 60.0])
 @pytest.mark.parametrize("noise", [0.002, 0.005, 0.01])
 def test_noise_lengthens_no_animal_however_few_frames_show_a_beat(noise: float, frames_a_beat: float):
-    _, points = swimmer(frames_a_beat, round(240 / frames_a_beat), noise)
+    time, points = swimmer(frames_a_beat, round(240 / frames_a_beat), noise)
     body = Body(kind="crawler", vertices=POINTS)
-    raw, found = (abs(usual(each).sum() - 1) for each in (shown_lengths(body, points), without_noise(body, points)))
+    raw, found = (
+        abs(usual(each).sum() - 1) for each in (shown_lengths(body, points), without_noise(body, time, points))
+    )
     assert raw > 0.3 * (POINTS - 1) ** 2 * noise**2
     assert found < raw / 4
 
@@ -207,16 +209,16 @@ def test_a_body_that_stretches_is_no_noise_and_keeps_its_length():
     steps = np.diff(points, axis=1) * longer[..., None]
     points = np.concatenate([points[:, :1], points[:, :1] + np.cumsum(steps, axis=1)], axis=1)
     body = Body(kind="crawler", vertices=POINTS)
-    assert usual(without_noise(body, points)).sum() == pytest.approx(1, abs=1e-3)
+    assert usual(without_noise(body, time, points)).sum() == pytest.approx(1, abs=1e-3)
 
 
 @pytest.mark.parametrize("turned", [90.0, 180.0, 37.0])
 @pytest.mark.parametrize("mirror", [(1, 1), (-1, 1)])
 def test_lengths_are_those_of_the_film_however_it_is_turned_or_mirrored(turned: float, mirror: tuple[int, int]):
-    _, points = swimmer(12.0, 5, 0.005)
+    time, points = swimmer(12.0, 5, 0.005)
     body, (c, s) = Body(kind="crawler", vertices=POINTS), (np.cos(np.radians(turned)), np.sin(np.radians(turned)))
-    other = without_noise(body, points @ np.array([[c, s], [-s, c]]) * mirror + 100)
-    assert other == pytest.approx(without_noise(body, points), rel=1e-9)
+    other = without_noise(body, time, points @ np.array([[c, s], [-s, c]]) * mirror + 100)
+    assert other == pytest.approx(without_noise(body, time, points), rel=1e-9)
 
 
 def test_a_marker_whose_other_link_is_bent_all_the_time_or_long_is_no_wrong_edge():

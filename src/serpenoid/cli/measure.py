@@ -62,7 +62,8 @@ def run(args: argparse.Namespace) -> int:
             advance(len(campaign.trials))
     lines = [f"{campaign.file.name}: {counted(len(campaign.trials), 'trial')}, {campaign.body.vertices} vertices"]
     if campaign.lengths_estimated:
-        lines.append("edge lengths estimated from the recordings (medians)")
+        how = "means less what noise adds" if campaign.body.is_animal else "medians"
+        lines.append(f"edge lengths estimated from the recordings ({how})")
     shared = shared_notes(campaign.trials)
     lines += [f"note              {who}: {note}" for note, who in shared.items()]
     for trial in campaign.trials:

@@ -322,8 +322,8 @@ def other_lengths(body: Body, read: Sequence[Files], blocks: int) -> Floats:
 
 def _shown(body: Body, read: Sequence[Files]) -> Floats:
     """Lengths of the edges in every frame of all recordings: (F, N - 1)."""
-    shown = [f.labelled.vertices for f in read if f.tracks is not None and f.labelled is not None]
-    distances = [without_noise(body, each) if body.is_animal else shown_lengths(body, each) for each in shown]
+    shown = [(f.tracks.time_s, f.labelled.vertices) for f in read if f.tracks is not None and f.labelled is not None]
+    distances = [without_noise(body, *each) if body.is_animal else shown_lengths(body, each[1]) for each in shown]
     if not distances:
         raise InputError("[body] has no lengths and no trial has a motion file to estimate them from.")
     return np.concatenate(distances)

@@ -5,12 +5,14 @@
 Chords shorten where the body bends; a body's length along itself does not. Noise of points lengthens both, and an
 animal's points are close together. What noise lengthens arcs by is found by adding it once more (`without_noise`):
 
-    length = mean(m) - x (mean(m + noise of g) - mean(m)),     g(v) = v + a v^2,     g(v + g) / g = (1 + x) / x^2
+    length = mean(m) / (1 + x (mean(m with noise of g) / mean(m) - 1))
+    g(v) = v + a v^2,     g(v + g) / g = (1 + x) / x^2
 
 m: arcs, v: variance of a point's coordinate, g: the same by what arcs scatter by, which is more of a curve that noise
 bends, x = v / g. Along the body noise lengthens one edge and shortens the next, a body that stretches does so by long
 waves: g is told by the short ones of all waves that so many edges show. Paths are not smoothed: that cuts corners where
-few frames show a beat, and shortens the body.
+few frames show a beat, and shortens the body. Only where noise is no longer small beside an edge it costs less than
+noise does, and the same is done with the smoothed path.
 
 Legend: F frames, N vertices, E edges.
 """
@@ -28,6 +30,7 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import bridged
 from serpenoid.measure.shapes.links import marker_angles
 from serpenoid.measure.shapes.own_noise import own_noise
+from serpenoid.measure.shapes.smooth import cross_validated, smooth
 
 SURE = 3.0  # standard errors of a median
 ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
@@ -36,6 +39,7 @@ ODD = 5.0  # robust SDs about the median: an edge whose end is where it is not
 LEAST_ODD = 0.02  # of a length: what is less does no harm, and of a body that rests the SD is none
 OF_MEDIAN = 1.2533  # standard error of a median over that of a mean, of normal numbers
 LONG_WAVES = 1 / 3  # of all waves along the body: the longest, by which bodies stretch
+LARGE = 0.25  # of an edge: such a noise is no longer small beside it
 DRAWS = 2  # of noise, each in four mirrors: what is odd in it does not hide what is even
 
 
@@ -48,21 +52,30 @@ def shown_lengths(body: Body, points: Floats) -> Floats:
     return distances / chord_shares(body, points) if body.is_animal else distances
 
 
-def without_noise(body: Body, points: Floats) -> Floats:
+def without_noise(body: Body, time_s: Floats, points: Floats) -> Floats:
     """The same (F, E) of an animal, every edge less what noise of points lengthens it by in frames that show all."""
     found = shown_lengths(body, points)
     rows = np.flatnonzero(np.isfinite(points).all(axis=(1, 2)))
     if len(rows):
         rows = rows[(found[rows] <= STRETCHED * np.median(found[rows], axis=0)).all(axis=1)]
     seen, raw = points[rows], found[rows]
-    variance = _noise_variance(body, raw, seen) if len(rows) else 0.0
+    if not len(rows):
+        return found
+    variance = _noise_variance(body, raw, seen)
+    if variance > (LARGE * float(np.median(raw))) ** 2:
+        by = cross_validated(time_s[rows], seen.reshape(len(rows), -1))
+        if by is not None:
+            seen = smooth(seen.reshape(len(rows), -1), *by).reshape(seen.shape)
+            raw = found[rows] = shown_lengths(body, seen)
+            variance = _noise_variance(body, raw, seen)
     if not variance > 0:
         return found
     noisy = [seen + each for noise in own_noise(seen, DRAWS) for each in np.sqrt(variance) * noise]
     lengths = [shown_lengths(body, each) for each in noisy]
     growth = np.mean([_noise_variance(body, *each) for each in zip(lengths, noisy, strict=True)]) / variance
     own = min(1.0, float(1 + np.sqrt(1 + 4 * growth)) / (2 * growth))  # x
-    return found - own * (np.mean([usual(each) for each in lengths], axis=0) - usual(raw))
+    longer = np.mean([usual(each) for each in lengths], axis=0) / usual(raw) - 1
+    return found / (1 + own * longer)
 
 
 def usual(lengths: Floats) -> Floats:
