@@ -15,7 +15,8 @@ from serpenoid.diagnose.data.cameras.observation import Observation
 from serpenoid.diagnose.data.recordings.reading import read_recordings
 from serpenoid.diagnose.data.recordings.recording import Recording
 from serpenoid.diagnose.data.recordings.relaid import relaid
-from serpenoid.diagnose.data.windows.windows import Track, meshes, tracks
+from serpenoid.diagnose.data.windows import meshes, tracks
+from serpenoid.diagnose.data.windows.windows import Track
 from serpenoid.diagnose.stages.observation.choose_observation import choose_observation
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.group import relative
