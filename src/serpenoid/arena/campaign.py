@@ -57,7 +57,8 @@ def run_campaign(
             finished += 1
             report(finished, name)
     except KeyboardInterrupt:
-        raise StopRequested(f"{folder}: the finished trials are kept; run the same command to continue.") from None
+        kept = "the finished trials are kept" if finished else "no trial was finished"
+        raise StopRequested(f"{folder}: {kept}; run the same command to continue.") from None
     finally:
         _sweep(folder)
         done = [plan for plan in wanted if (folder / plan.name).is_dir()]
