@@ -144,13 +144,17 @@ def test_few_points_of_a_body_are_points_of_a_curve_and_no_joints_of_a_chain(tmp
 
 @pytest.mark.slow
 def test_many_close_points_tell_the_same_k_and_leave_their_noise(tmp_path: Path) -> None:
-    """45 points, as trackers of worms give them, with a noise of a seventh of an edge: most of every joint angle."""
+    """45 points, as trackers of worms give them, with a noise of a seventh of an edge: most of every joint angle. Four
+    films: of one of 2.5 s what is left is known to a tenth."""
     time, points = Worm().film(2.5, count=45)
-    points = points + np.random.default_rng(2).normal(0, 3e-3, points.shape)
-    campaign = load_campaign(write(tmp_path / "many", time, points))
-    found = fit(neutral_model(campaign), trial_segments(campaign.trials[0]), ("anisotropy_ratio",), np.array([1 / K]))
-    assert 1 / found.values[0] == pytest.approx(K, rel=0.03)  # every joint smoothed by itself: 5 % less
-    assert 0.8 < found.noise_scale < 1.25  # unseen directions counted by the size of C: 16
+    found = []
+    for seed in range(2, 6):
+        noisy = points + np.random.default_rng(seed).normal(0, 3e-3, points.shape)
+        campaign = load_campaign(write(tmp_path / f"many-{seed}", time, noisy))
+        segments = trial_segments(campaign.trials[0])
+        found.append(fit(neutral_model(campaign), segments, ("anisotropy_ratio",), np.array([1 / K])))
+    assert np.mean([1 / each.values[0] for each in found]) == pytest.approx(K, rel=0.03)  # joints by themselves: -5 %
+    assert 0.8 < np.mean([each.noise_scale for each in found]) < 1.25  # unseen directions counted by the size of C: 16
 
 
 @pytest.mark.parametrize("every", [1, 6])  # of its frames; every sixth makes windows of two frames, twice as long

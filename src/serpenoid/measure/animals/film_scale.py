@@ -35,7 +35,7 @@ from serpenoid.measure.shapes.own_noise import own_noise
 from serpenoid.measure.trial_files import ever_seen, stated_between
 
 BLOCKS = 20
-DRAWS = 1  # of noise, in four mirrors: what is odd in it does not hide what is even
+DRAWS = 2  # of noise, each in four mirrors: what is odd in it does not hide what is even
 TINY = np.finfo(float).tiny
 
 
