@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from serpenoid.diagnose.inference.doubt.together import laws_together
 from serpenoid.diagnose.inference.fits.medium import TO_THE_END, fit_eps, fit_guided
 from serpenoid.diagnose.inference.search.discrepancy import information_criterion
 from serpenoid.diagnose.inference.search.select import Selection, calibrated
+from serpenoid.diagnose.inference.search.tries import unclear
 
 WHEELS = [
     Effect("contact_offset", None, {"offset": 0.018}),
@@ -48,3 +50,10 @@ def test_laws_of_wheels_that_act_together_remain_and_no_other(tmp_path: Path) ->
 def test_one_gait_tells_no_law_from_another_and_little_that_is_left_asks_for_none(tmp_path: Path) -> None:
     assert laws_together(nothing_found(tmp_path / "one", WHEELS, 1)) is None
     assert laws_together(nothing_found(tmp_path / "healthy", [], 2)) is None
+
+
+def test_beside_a_reference_none_is_looked_for(tmp_path: Path) -> None:
+    """What its robot moves by already is known; two gaits of these laws leave enough to ask for them."""
+    found = nothing_found(tmp_path, WHEELS, 2)
+    assert unclear(found.best)
+    assert laws_together(replace(found, motion=replace(found.motion, ratio=0.2))) is None
