@@ -31,7 +31,7 @@ from serpenoid.body_curve import PLAIN, SMOOTH
 from serpenoid.measure.blocks import blocks
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.shapes.lengths import chord_shares, in_place
-from serpenoid.measure.shapes.own_noise import own_noise
+from serpenoid.measure.shapes.own_noise import own_noise, share_of_scatter
 from serpenoid.measure.trial_files import ever_seen, stated_between
 
 BLOCKS = 20
@@ -89,7 +89,7 @@ def _less_noise(sums: Floats, edges: int) -> float:
     if len(sums) == 1 or variances[0] <= 0:
         return float(scales[0])
     growth = variances[1:].mean() / variances[0]
-    own = (1 + np.sqrt(1 + 4 * growth)) / (2 * growth)  # v / g
+    own = share_of_scatter(float(growth))
     return float(scales[0] - own * (scales[1:].mean() - scales[0]))
 
 

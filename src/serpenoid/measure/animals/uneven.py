@@ -8,8 +8,10 @@ import numpy as np
 
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.shapes.lengths import OF_MEDIAN, ROBUST, SURE, shown_lengths
+from serpenoid.measure.shapes.lengths import ROBUST, shown_lengths
 
+SURE = 3.0  # standard errors of a median
+OF_MEDIAN = 1.2533  # standard error of a median over that of a mean, of normal numbers
 BESIDE = 0.05  # of an edge against the others: less is a marker put on by hand
 BY_NOISE = 10.0  # times the square of what an edge scatters by: noise lengthens those at the ends by several times that
 

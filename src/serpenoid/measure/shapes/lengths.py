@@ -29,15 +29,13 @@ from serpenoid.body_curve import SMOOTH, curve
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import bridged
 from serpenoid.measure.shapes.links import marker_angles
-from serpenoid.measure.shapes.own_noise import own_noise
+from serpenoid.measure.shapes.own_noise import own_noise, share_of_scatter
 from serpenoid.measure.shapes.smooth import cross_validated, smooth
 
-SURE = 3.0  # standard errors of a median
 ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
 STRETCHED = 3.0  # times its median: no edge grows so long; a point is astray
 ODD = 5.0  # robust SDs about the median: an edge whose end is where it is not
 LEAST_ODD = 0.02  # of a length: what is less does no harm, and of a body that rests the SD is none
-OF_MEDIAN = 1.2533  # standard error of a median over that of a mean, of normal numbers
 LONG_WAVES = 1 / 3  # of all waves along the body: the longest, by which bodies stretch
 LARGE = 0.25  # of an edge: such a noise is no longer small beside it
 DRAWS = 2  # of noise, each in four mirrors: what is odd in it does not hide what is even
@@ -73,7 +71,7 @@ def without_noise(body: Body, time_s: Floats, points: Floats) -> Floats:
     noisy = [seen + each for noise in own_noise(seen, DRAWS) for each in np.sqrt(variance) * noise]
     lengths = [shown_lengths(body, each) for each in noisy]
     growth = np.mean([_noise_variance(body, *each) for each in zip(lengths, noisy, strict=True)]) / variance
-    own = min(1.0, float(1 + np.sqrt(1 + 4 * growth)) / (2 * growth))  # x
+    own = min(1.0, share_of_scatter(float(growth)))
     longer = np.mean([usual(each) for each in lengths], axis=0) / usual(raw) - 1
     return found / (1 + own * longer)
 

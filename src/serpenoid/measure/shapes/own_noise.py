@@ -3,6 +3,10 @@
 A draw is along and across the way from a body's tail to its head, in every frame, and comes in four mirrors: as it is,
 reversed, and both reflected across the body. Whatever is done to the film is done to these. What is odd in noise
 cancels between a draw and its reverse.
+
+Lengths scatter by g(v) = v + a v^2 where v is the variance of a point's coordinate; with noise of g added once more,
+
+    g(v + g) / g = (1 + x) / x^2,    x = v / g
 """
 
 from __future__ import annotations
@@ -26,3 +30,8 @@ def own_noise(points: Floats, draws: int, generator: np.random.Generator | None 
     for _ in range(draws):
         drawn = rng.normal(size=points.shape)
         yield np.stack([(drawn * mirror) @ axes for mirror in MIRRORS])
+
+
+def share_of_scatter(growth: float) -> float:
+    """x = v / g, by how many times g lengths scatter by with noise of g added once more."""
+    return float(1 + np.sqrt(1 + 4 * growth)) / (2 * growth)
