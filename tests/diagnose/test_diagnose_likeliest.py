@@ -59,14 +59,14 @@ def test_of_an_effect_that_is_large_all_places_are_tried_from_where_it_was_fitte
     start = np.array([null.coordinates[0], 0.9])
     (found,) = attempts(motion, null, [(near, 0.0, start)])
     assert found.fitted.parameters["seizure"] > 0.5
-    others = at_other_places(null, [found])
+    others = at_other_places(motion, null, [found])
     assert {e.place for e, _, _ in others} == {*range(12)} - {5}
     assert all(e.name == "worn_wheel" and x[1] == found.fitted.coordinates[0] for e, _, x in others)
     best = min(attempts(motion, null, others), key=lambda t: t.fit.chi2)
     assert best.fitted.key == WHEEL
-    assert at_other_places(null, []) == []
+    assert at_other_places(motion, null, []) == []
     little = replace(found, fit=fit(motion, null.model, [near], np.array([start[0], 0.1]), 0))
-    assert at_other_places(null, [little]) == []
+    assert at_other_places(motion, null, [little]) == []
 
 
 def test_where_the_law_is_right_the_search_has_the_last_word(tmp_path: Path) -> None:

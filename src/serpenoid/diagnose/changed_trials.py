@@ -73,7 +73,7 @@ def in_any_trial(named: Named, grows: float) -> Named:
         return named
     ends = np.array([(1 - grows) / (1 + grows), (1 + grows) / (1 - grows) if grows < 1 else np.inf]) - 1
     sizes = [
-        0.0 if p.neutral is None else x - p.resting
+        0.0 if p.neutral is None else x - p.coordinate(named.before.get(p.name, p.neutral))
         for p, x in zip(law.parameters, named.effect.coordinates, strict=False)
     ]
     return beside_known(named, np.array([np.sort(size * ends) if size else (0.0, 0.0) for size in sizes]))

@@ -87,6 +87,11 @@ class Motion:
             White(t, self.noise.chance(t), self.noise.memory, repeats=repeats[t.recording.setting]) for t in self.tracks
         )
 
+    def unchanged(self, effect: ActiveEffect) -> list[float]:
+        """Coordinates of an effect where nothing has changed (P,): those that it is held at, or neutral ones."""
+        known = next((e for e in self.held if e.key == effect.key), None)
+        return [p.resting for p in effect.effect.parameters] if known is None else known.coordinates[:-1]
+
     @property
     def unrepeated(self) -> bool:
         """Whether noise is what a model leaves, for want of anything that was played again."""

@@ -103,7 +103,7 @@ def _beside_names(found: Selection, kind: MediumEffect, every: _Drawn, sure: boo
     for e in found.best.effects:
         if e.effect.site != "medium":
             continue
-        if _idle(e, doubt):
+        if _idle(motion, e, doubt):
             as_well.add(e.key)
         elif e.name != kind.name:
             rest = _settled(motion, _without(motion, every, e))
@@ -116,9 +116,9 @@ def _beside_names(found: Selection, kind: MediumEffect, every: _Drawn, sure: boo
     return Differing(kind.name, size, ratio, doubt, every.predictions, frozenset(as_well), seen or bool(as_well))
 
 
-def _idle(effect: ActiveEffect, doubt: Mapping[Coordinate, Doubted]) -> bool:
+def _idle(motion: Motion, effect: ActiveEffect, doubt: Mapping[Coordinate, Doubted]) -> bool:
     """Whether the intervals of all of its parameters hold what changes nothing."""
-    known = [(p.resting, doubt[effect.name, effect.place, i]) for i, p in enumerate(effect.effect.parameters)]
+    known = [(x, doubt[effect.name, effect.place, i]) for i, x in enumerate(motion.unchanged(effect))]
     return all(abs(d.value - resting) <= NORMAL * d.deviation for resting, d in known)
 
 

@@ -94,7 +94,7 @@ def doubted(explained: Sequence[tuple[Motion, Fit, float]], hold: bool = True) -
     left = [fit.chi2 / float(fit.evidence.count.sum()) for _, fit, _ in explained]
     for (motion, fit, earlier), mine in zip(explained, left, strict=True):
         weight = earlier * (min(left) / mine) ** (len(set(motion.labels)) / 2)
-        parameters = [(e, i, p.resting) for e in fit.effects for i, p in enumerate(e.effect.parameters)]
+        parameters = [(e, i, x) for e in fit.effects for i, x in enumerate(motion.unchanged(e))]
         values, deviations = of_gaits(motion, fit, hold)
         does = np.sqrt(np.diag(fit.evidence.matrix.sum(axis=0)))
         for at, (e, i, resting) in enumerate(parameters, 1):
@@ -122,12 +122,13 @@ def _together(several: Sequence[_Told]) -> Doubted:
     factors = [t.over(first) for t in several]
     alike = [t.known.times(x) for t, x in zip(several, factors, strict=True)]
     count, weights = len(several), np.array([t.weight for t in several])
-    values, variances = np.array([d.value for d in alike]), np.array([d.deviation**2 for d in alike])
-    mean = float(np.average(values, weights=weights))
-    between = float(np.average((values - mean) ** 2, weights=weights)) * count / max(count - 1, 1)
+    aways, variances = np.array([d.value - d.resting for d in alike]), np.array([d.deviation**2 for d in alike])
+    mean = float(np.average(aways, weights=weights))
+    between = float(np.average((aways - mean) ** 2, weights=weights)) * count / max(count - 1, 1)
     deviation = float(np.sqrt(np.average(variances, weights=weights) + between))
     least, most = min(1.0, 1 / max(factors)), max(1.0, 1 / min(factors))
-    return Doubted(mean, deviation, first.known.resting, least, most, _surely(several))
+    rest = first.known.resting
+    return Doubted(rest + mean, deviation, rest, least, most, _surely(several))
 
 
 def _surely(several: Sequence[_Told]) -> float | None:
@@ -165,9 +166,9 @@ def yielding(named: Named, share: float, doubt: Mapping[Coordinate, Doubted]) ->
         known = doubt.get((effect.name, effect.place, i))
         if known is None or p.neutral is None:
             continue
-        away = known.value - p.resting
+        away = known.value - known.resting
         factors = np.exp(NORMAL * share * np.array([-1.0, 1.0]))
-        wide = [float(np.clip(p.value(p.resting + away * x), p.lower, p.upper)) for x in factors]
+        wide = [float(np.clip(p.value(known.resting + away * x), p.lower, p.upper)) for x in factors]
         every = [*(np.inf if end is None else end for end in ends.get(p.name, ())), *wide]
         ends[p.name] = interval([min(every), max(every)])
     return replace(named, intervals=ends)

@@ -53,7 +53,8 @@ def known(found: Selection, explained: Explained) -> tuple[Floats, Floats]:
     at, surely, shares, beyond = 1, dict[Key, float](), dict[Key, float](), dict[Key, float]()
     for e, more in zip(settled.effects, outside, strict=True):
         moves = [i for i, p in enumerate(e.effect.parameters) if p.neutral is not None]
-        away = np.array([(e.coordinates[i] - e.effect.parameters[i].resting) ** 2 for i in moves])
+        rest = found.motion.unchanged(e)
+        away = np.array([(e.coordinates[i] - rest[i]) ** 2 for i in moves])
         sure = np.array([doubt[e.name, e.place, i].away ** 2 for i in moves])
         usually = away / np.array([usual[at + i, at + i] for i in moves])
         least = chdtri(len(moves), 2 * ndtr(-NORMAL))

@@ -35,7 +35,8 @@ def in_its_range(motion: Motion, settled: Fit, named: Named, explained: Explaine
     """
     effect = next(e for e in settled.effects if e.key == named.effect.key)
     p, *more = effect.effect.parameters
-    if more or p.neutral is None or _inside(p, *named.intervals[p.name]):
+    (rest,) = motion.unchanged(effect) if not more else (np.nan,)
+    if more or p.neutral is None or _inside(p, p.value(rest), *named.intervals[p.name]):
         return named
     at = 1
     for e in settled.effects[: settled.effects.index(effect)]:
@@ -46,18 +47,18 @@ def in_its_range(motion: Motion, settled: Fit, named: Named, explained: Explaine
     deviation = float(np.sqrt(evidence.covariance(index, spread)[at, at]))
     if explained:
         sure = doubted(explained, hold=False)[effect.name, effect.place, 0].away
-        deviation = max(deviation, abs(effect.coordinates[0] - p.resting) / max(sure, SILENT))
+        deviation = max(deviation, abs(effect.coordinates[0] - rest) / max(sure, SILENT))
     half = NORMAL * deviation
     threshold = half**2 / float(evidence.solve(index)[1][at, at])
     found = [p.value(x) for x in profile_ends(motion, settled, effect, threshold, half)]
     return replace(named, intervals={p.name: interval(found)})
 
 
-def _inside(p: Parameter, low: float | None, high: float | None) -> bool:
-    """Whether an interval keeps away from bounds and from what changes nothing."""
-    if low is None or high is None or p.neutral is None:
+def _inside(p: Parameter, rest: float, low: float | None, high: float | None) -> bool:
+    """Whether an interval keeps away from bounds and from the value that changes nothing."""
+    if low is None or high is None:
         return False
-    return p.lower < low and high < p.upper and not low <= p.neutral <= high
+    return p.lower < low and high < p.upper and not low <= rest <= high
 
 
 def profile_ends(

@@ -31,7 +31,7 @@ def as_much_as_another_ratio(found: Selection) -> tuple[str, ...]:
     if base is None:
         return ()
     tries = singles(motion, base.model)
-    tries += attempts(motion, base, at_other_places(base, tries))
+    tries += attempts(motion, base, at_other_places(motion, base, tries))
     same = _as_likely(motion, null, tries)
     if not same:
         return ()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Any
@@ -19,6 +19,7 @@ class Named:
     """An effect, 95 % intervals by parameter, its strength over the noise level, and parameters that ended at a bound.
 
     stand_in: what the model misses repeats, so that a cause which the catalogue does not hold may be behind it.
+    before: values by parameter of what was there before a change; empty: it was not, and neutral values change nothing.
     """
 
     effect: ActiveEffect
@@ -26,11 +27,16 @@ class Named:
     strength: float
     at_bound: tuple[str, ...] = ()
     stand_in: bool = False
+    before: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def may_change_nothing(self) -> bool:
         """Whether intervals of all of its parameters hold what changes nothing, however much it takes away."""
-        rests = [(p.neutral, *self.intervals[p.name]) for p in self.effect.effect.parameters if p.neutral is not None]
+        rests = [
+            (self.before.get(p.name, p.neutral), *self.intervals[p.name])
+            for p in self.effect.effect.parameters
+            if p.neutral is not None
+        ]
         return bool(rests) and all(
             (-inf if low is None else low) <= rest <= (inf if high is None else high) for rest, low, high in rests
         )
@@ -43,6 +49,8 @@ class Named:
             entry: dict[str, Any] = {"value": self.effect.parameters[p.name], "interval": [low, high]}
             if p.name in self.at_bound:
                 entry["at_bound"] = True
+            if p.name in self.before:
+                entry["before"] = self.before[p.name]
             parameters[p.name] = entry
         effect = self.effect
         return {

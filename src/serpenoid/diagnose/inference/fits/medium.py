@@ -80,9 +80,9 @@ class Fit:
         spread = max(1.0, self.chi2 / float(self.evidence.count.sum()))
         return float(np.sqrt(apart @ self.evidence.matrix.sum(axis=0) @ apart / spread))
 
-    def shrinking(self, evidence: Evidence) -> Evidence:
-        """Evidence about this fit, whose first columns are its own, for fits without a gait."""
-        rest = np.array([np.nan, *(_resting(p) for e in self.effects for p in e.effect.parameters)])
+    def shrinking(self, evidence: Evidence, motion: Motion) -> Evidence:
+        """Evidence about this fit to a motion, whose first columns are its own, for fits without a gait."""
+        rest = np.array([np.nan, *(x for e in self.effects for x in _resting(motion, e))])
         return evidence.shrinking(range(len(rest)), np.zeros(len(rest)), rest - self.coordinates)
 
 
@@ -107,10 +107,11 @@ def _nudge(p: Parameter) -> float:
     return 1e-9 * max(abs(p.coordinate(p.typical)), 1e-6)
 
 
-def moved(found: Fit, column: int) -> bool:
+def moved(motion: Motion, found: Fit, column: int) -> bool:
     """Whether a coordinate of a fit is not where its effect changes nothing."""
     p = [p for e in found.effects for p in e.effect.parameters][column - 1]
-    return bool(abs(found.coordinates[column] - p.resting) > 2 * _nudge(p))
+    rest = [x for e in found.effects for x in motion.unchanged(e)][column - 1]
+    return bool(abs(found.coordinates[column] - rest) > 2 * _nudge(p))
 
 
 def linearised(
@@ -197,12 +198,13 @@ def _descended(motion: Motion, found: Fit, steps: int) -> Fit:
             damping = max(damping, 1e-4) * 30
             if damping > 1e3:
                 break
-    return replace(found, evidence=found.shrinking(found.evidence))
+    return replace(found, evidence=found.shrinking(found.evidence, motion))
 
 
-def _resting(p: Parameter) -> float:
-    """The coordinate that changes nothing; NaN where there is none."""
-    return np.nan if p.neutral is None else p.resting
+def _resting(motion: Motion, effect: ActiveEffect) -> list[float]:
+    """Its coordinates that change nothing; NaN where there is none."""
+    pairs = zip(effect.effect.parameters, motion.unchanged(effect), strict=True)
+    return [np.nan if p.neutral is None else x for p, x in pairs]
 
 
 def fit_guided(motion: Motion, found: Fit, steps: int = 3) -> Fit:

@@ -49,7 +49,7 @@ def _of_all_places(motion: Motion, best: Fit, everywhere: Sequence[ActiveEffect]
     others, most = [e for e in best.effects if e.name != name], best.model.body.joint_count + 2  # without middles
     effects = [*others, *(c for c in everywhere if c.name == name)]
     found = fit(motion, best.model, effects, coordinates_of(best.model, effects), TO_THE_END, best.predictions)
-    if len(effects) - len(others) > most and _telling(found, name, tries) > most:
+    if len(effects) - len(others) > most and _telling(motion, found, name, tries) > most:
         return None
     return told(motion, found, tries)
 
@@ -60,14 +60,14 @@ def _foretells(motion: Motion, best: Fit, other: Fit, tries: int) -> bool:
     return better and information_criterion(motion, other) < information_criterion(motion, best)
 
 
-def _telling(found: Fit, name: str, tries: int) -> int:
+def _telling(motion: Motion, found: Fit, name: str, tries: int) -> int:
     """How many effects of a name gain more than their price beside those that are left, without the least first: all to
     first order, in which what a bound holds gains nothing."""
     silent = np.diagonal(found.evidence.matrix.sum(axis=0)) < SILENT
     left = [i for i, own in enumerate(found.columns) if found.effects[i].name != name or not silent[own[0]]]
     own = [i for i in left if found.effects[i].name == name]
     while own:
-        gains = dict(zip(left, _gained(found, left), strict=True))
+        gains = dict(zip(left, _gained(motion, found, left), strict=True))
         least = min(own, key=gains.__getitem__)
         if gains[least] - found.evidence.toll(1) > gained_by_chance(tries):
             break
@@ -85,7 +85,7 @@ def told(motion: Motion, found: Fit, tries: int) -> Fit:
     """Without effects that gain no more than their price (prices.py) beside those that are left, the least first: which
     it is, to first order; the others are fitted again."""
     while found.effects:
-        gains = _gained(found, range(len(found.effects)))
+        gains = _gained(motion, found, range(len(found.effects)))
         excess = [g - found.evidence.toll(len(e.effect.parameters)) for g, e in zip(gains, found.effects, strict=True)]
         least = int(np.argmin(excess))
         if excess[least] > gained_by_chance(tries):
@@ -94,10 +94,10 @@ def told(motion: Motion, found: Fit, tries: int) -> Fit:
     return fit_guided(motion, found, TO_THE_END)
 
 
-def _gained(found: Fit, some: Sequence[int]) -> list[float]:
+def _gained(motion: Motion, found: Fit, some: Sequence[int]) -> list[float]:
     """Chi squared that each of some effects takes away beside the others of them, to first order, in units of what is
     left; of one that its bound holds first order says nothing, and it stays."""
-    resting = [p.resting for e in found.effects for p in e.effect.parameters]
+    resting = [x for e in found.effects for x in motion.unchanged(e)]
     bare = found.evidence.about(
         found.coordinates - [found.coordinates[0], *resting]
     )  # chi squared of some, others none
@@ -107,6 +107,6 @@ def _gained(found: Fit, some: Sequence[int]) -> list[float]:
     now = bare.chi2(every)
     spread, gains = max(1.0, now / float(bare.count.sum())), []
     for own in columns:
-        held = bool(silent[list(own)].all() and any(moved(found, c) for c in own))
+        held = bool(silent[list(own)].all() and any(moved(motion, found, c) for c in own))
         gains.append(np.inf if held else (bare.chi2([c for c in every if c not in own]) - now) / spread)
     return gains

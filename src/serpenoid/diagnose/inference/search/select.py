@@ -107,7 +107,7 @@ def select(motion: Motion, model: Model, retrack: Retrack, say: Progress) -> Sel
         tries = attempts(motion, best, promising)
         if all(off_by(motion, t.fit) > FAR for t in tries):
             tries += attempts(motion, best, from_typical(motion, best, every=not level or motion.unrepeated))
-        tries += attempts(motion, best, at_other_places(best, tries))
+        tries += attempts(motion, best, at_other_places(motion, best, tries))
         if not level:
             tries += beside_the_earlier_ratio(motion, null)
         least_left = min(f.chi2 for f in (best, *(t.fit for t in tries)))
@@ -169,7 +169,7 @@ def one_for_several(motion: Motion, best: Fit) -> Fit:
     for name in sorted(name for name, count in names.items() if count > 1):
         bare = bare_of(motion, best, [e for e in best.effects if e.name == name])
         tries = attempts(motion, bare, [r for r in score(motion, bare) if r[0].name == name])
-        tries += attempts(motion, bare, at_other_places(bare, tries))
+        tries += attempts(motion, bare, at_other_places(motion, bare, tries))
         found = min([found, *(t.fit for t in tries)], key=lambda f: information_criterion(motion, f))
     return found
 

@@ -73,18 +73,19 @@ def from_typical(motion: Motion, base: Fit, every: bool = True) -> list[Ranked]:
     return [(e, 0.0, np.concatenate([base.coordinates, e.coordinates[:-1]])) for e in typical]
 
 
-def at_other_places(base: Fit, tries: Sequence[Try]) -> list[Ranked]:
+def at_other_places(motion: Motion, base: Fit, tries: Sequence[Try]) -> list[Ranked]:
     """The likeliest effect, from as much of it, at all places where it was not tried, if more is left than chance and
     it is larger than a moderate one: where neutral ones are too far off to tell, they do not tell places either."""
     likely = min(tries, key=lambda t: t.fit.chi2, default=None)
     if likely is None or likely.added.place is None or not unclear(likely.fit):
         return []
     fitted, tried = likely.fitted, {t.added.key for t in tries}
-    numbers = zip(fitted.coordinates, fitted.effect.parameters, strict=False)
-    if not any(abs(x - p.resting) > abs(p.coordinate(p.typical) - p.resting) for x, p in numbers):
+    numbers = fitted.effect.parameters
+    change = np.array(fitted.coordinates[:-1]) - motion.unchanged(fitted)
+    if not any(abs(x) > abs(p.coordinate(p.typical) - p.resting) for x, p in zip(change, numbers, strict=True)):
         return []
     others = [c for c in candidates_of(base) if c.name == fitted.name and c.key not in tried]
-    return [(c, 0.0, np.concatenate([base.coordinates, fitted.coordinates[:-1]])) for c in others]
+    return [(c, 0.0, np.concatenate([base.coordinates, motion.unchanged(c) + change])) for c in others]
 
 
 def finished(motion: Motion, t: Try, steps: int = STEPS) -> Try:

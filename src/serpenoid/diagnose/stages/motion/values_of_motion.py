@@ -35,6 +35,7 @@ def named_of(
             break
         at += len(fitted.effect.parameters)
     ends, bound, usual = {}, [], deviations(found.motion, settled)
+    unchanged = found.motion.unchanged(fitted)
     coarse = float(np.sqrt(np.mean([t.coarse**2 for t in found.motion.tracks])))
     for i, p in enumerate(fitted.effect.parameters):
         x, value = fitted.coordinates[i], fitted.parameters[p.name]
@@ -42,14 +43,15 @@ def named_of(
         if held:
             bound.append(p.name)
         sd = float((deviations(found.motion, settled, hold=False) if held else usual)[at + i])
-        half = NORMAL * float(np.hypot(sd, coarse * abs(x - p.resting))) + RELATIVE * abs(x)
+        half = NORMAL * float(np.hypot(sd, coarse * abs(x - unchanged[i]))) + RELATIVE * abs(x)
         low, high = x - half, x + half
         doubtful = (doubt or {}).get((fitted.name, fitted.place, i))
         if doubtful is not None:
             low, high = min(low, doubtful.ends[0]), max(high, doubtful.ends[1])
         ends[p.name] = interval([_clipped(p.value(end), p.lower, p.upper) for end in (low, high)])
     strength = seen(found.motion, found.best, base, effect, VISIBLE * found.noise_level_m) / found.noise_level_m
-    return Named(fitted, ends, strength, tuple(bound))
+    known = next((e.parameters for e in found.motion.held if e.key == effect.key), {})
+    return Named(fitted, ends, strength, tuple(bound), before=known)
 
 
 def beside_known(named: Named, doubt: Floats) -> Named:
