@@ -252,7 +252,8 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
         intervals[p.name] = interval([p.value(float(v)) for v in (x - reach, x + reach)])
     bound = tuple(p.name for p in parameters if effect.parameters[p.name] in (p.lower, p.upper))
     stand_in = _law_error(best, effect) > 0 or _may_be_any(best, effect)
-    return Named(effect, intervals, _strength(data, effect), bound, stand_in)
+    known: dict[str, float] = next((e.parameters for e in data.known if e.key == effect.key), {})
+    return Named(effect, intervals, _strength(data, effect), bound, stand_in, known)
 
 
 def _habit_changed(best: Played, effect: ActiveEffect) -> float:

@@ -284,4 +284,4 @@ def _named(best: Looked, key: Key, stand_in: bool) -> Named:
         half = NORMAL * float(np.sqrt(covariance[at, at])) + p.resolution
         ends[p.name] = interval((effect.parameters[p.name] - half, effect.parameters[p.name] + half))
     partly = effect.place is None and _law_error(best, effect) > LAW_ERROR
-    return Named(effect, ends, best.strength(key), tuple(bound), stand_in or partly)
+    return Named(effect, ends, best.strength(key), tuple(bound), stand_in or partly, best.known(key))

@@ -124,12 +124,17 @@ class Looked:
         return now
 
     def strength(self, key: Key) -> float:
-        """The worst channel's RMS of one effect alone, over the noise level."""
+        """The worst channel's RMS of what one effect alone has changed, over the noise level."""
         return float(self.signature(key).max())
 
     def signature(self, key: Key) -> Floats:
         """Of all channels."""
-        return signature(self.data, only(self.data.body, self.now, key))
+        return signature(self.data, only(self.data.body, key, self.changed_by(key)))
+
+    def known(self, key: Key) -> dict[str, float]:
+        """An effect's values before, by parameter; empty where it was not there."""
+        effect = effect_of(replace(self, now=self.before), key)
+        return {} if effect.is_neutral else dict(effect.parameters)
 
 
 def effect_of(found: Looked, key: Key) -> ActiveEffect:
@@ -166,9 +171,9 @@ def solved(
     return now
 
 
-def only(body: Body, now: Observation, key: Key) -> Observation:
-    """An observation model with this one effect of `now`."""
+def only(body: Body, key: Key, amounts: Sequence[float] | Floats) -> Observation:
+    """An observation model with one effect alone, which is so far from neutral."""
     alone = Observation.neutral(body)
-    for column, value in zip(columns_of(body, *key), values_of(body, now, *key), strict=True):
-        alone = alone.with_column(column, value)
+    for column, amount in zip(columns_of(body, *key), amounts, strict=True):
+        alone = alone.with_column(column, float(amount))
     return alone
