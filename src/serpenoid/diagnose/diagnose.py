@@ -108,8 +108,10 @@ class Diagnosis:
     def model(self) -> Model:
         """The extended model: what was known before, what the motion's fit found, and what the upper stages did."""
         fitted = self.extension.model
-        every = (*self.baseline.known, *(n.effect for n in self.named), *fitted.effects, *self.extension.effects)
-        return Model(fitted.body, fitted.medium, tuple({e.key: e for e in every}.values()))
+        named = (e for stage in self.stages for e in stage.acting)
+        every = {e.key: e for e in (*self.baseline.known, *named, *fitted.effects, *self.extension.effects)}
+        gone = {n.effect.key for n in self.named if n.gone}
+        return Model(fitted.body, fitted.medium, tuple(e for key, e in every.items() if key not in gone))
 
 
 def diagnose(
@@ -122,7 +124,7 @@ def diagnose(
     """From recordings to a verdict on what is new beside the baseline."""
     say("command against shape")
     recordings, servos, actuation = of_servos(baseline.begun(recordings), baseline)
-    recordings = carried(recordings, servos, [n.effect for n in (*actuation.named, *actuation.undetected)])
+    recordings = carried(recordings, servos, [*actuation.acting, *(n.effect for n in actuation.undetected)])
     say("shape against markers")
     observation, seen = Stage("observation", left=np.nan, skipped=NO_LOG), Observation.neutral(baseline.model.body)
     if all(r.by_servos for r in recordings):

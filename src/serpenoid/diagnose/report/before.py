@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from serpenoid.diagnose.report.drag import rival_law
 from serpenoid.diagnose.report.words import Record, few, parameter, shown, title
-from serpenoid.effects.catalogue import find
 
 
 def reference(record: Record) -> list[str]:
@@ -81,10 +80,9 @@ def _key(effect: Record) -> tuple[str, int | None]:
 
 
 def _there_already(effect: Record) -> list[str]:
-    """An effect of the reference that is named again: of the motion, its value is all of it, as then."""
+    """An effect of the reference that is named again: its value is all of it, as then."""
     values = ", ".join(f"{name} {parameter(p)}" for name, p in effect["parameters"].items())
-    whole = ["its value now is all of it, not the change"] if find(effect["name"]).moves else []
-    return [f"{title(effect)} was there already: {values}", *whole]
+    return [f"{title(effect)} was there already: {values}", "its value now is all of it, not the change"]
 
 
 def _there_in_part(record: Record) -> list[str]:

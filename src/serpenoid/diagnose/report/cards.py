@@ -8,11 +8,13 @@ from serpenoid.diagnose.report.sentences import SETTLED, changed_trials, instead
 from serpenoid.diagnose.report.together import in_common, title_of, titles, together
 from serpenoid.diagnose.report.verdicts import inadequacy, meaning
 from serpenoid.diagnose.report.words import (
+    GONE,
     STAND_IN,
     Record,
     advice,
     few,
     foremost,
+    gone,
     in_sample,
     law,
     own_place,
@@ -22,6 +24,7 @@ from serpenoid.diagnose.report.words import (
     times,
     title,
     unseen,
+    what_to_do,
 )
 from serpenoid.report.pages import Card
 
@@ -84,11 +87,11 @@ def _about(group: list[Record], record: Record) -> list[str]:
         return [*said, f"What to do: {words.what_to_do}."]
     words, own = advice(record, effect), own_place(effect, record)
     place = f"{title(effect)}, which is {own}" if own else title(effect)
-    strength = f"{place} ({times(effect['strength_over_noise'])})"
+    strength = f"{place} ({times(effect['strength_over_noise'])}){GONE if gone(effect) else ''}"
     others = [f"Or instead: {text}." for text in instead(effect, record)]
-    if effect["stand_in"]:
-        return [f"{strength}{STAND_IN}: {words.looks_like}.", *others]
-    return [f"{strength}: {words.looks_like}.", *others, f"What to do: {words.what_to_do}."]
+    doubt = STAND_IN if effect["stand_in"] else ""
+    to_do = [f"What to do: {text}." for text in what_to_do(effect, record)]
+    return [f"{strength}{doubt}: {words.looks_like}.", *others, *to_do]
 
 
 def _gain(record: Record) -> Card:

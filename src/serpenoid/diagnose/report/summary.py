@@ -27,17 +27,20 @@ from serpenoid.diagnose.report.sentences import (
 from serpenoid.diagnose.report.together import in_common, titles, together
 from serpenoid.diagnose.report.verdicts import inadequacy, meaning
 from serpenoid.diagnose.report.words import (
+    GONE,
     STAND_IN,
     Record,
     advice,
     few,
     foremost,
+    gone,
     in_sample,
     own_place,
     parameter,
     times,
     title,
     unseen,
+    what_to_do,
 )
 from serpenoid.effects.catalogue import find
 
@@ -110,12 +113,12 @@ def _causes(record: Record) -> list[str]:
         if len(group) > 1:
             found += _alike(group, record)
             continue
-        strength = f"{title(e)} ({times(e['strength_over_noise'])})"
+        strength = f"{title(e)} ({times(e['strength_over_noise'])}){GONE if gone(e) else ''}"
         found += _rows("cause?", [strength + STAND_IN]) if e["stand_in"] else _rows("cause", [strength])
         found += _rows("  where", [where] if (where := own_place(e, record)) else [])
         found += [f"  {name:16} {parameter(p)}" for name, p in e["parameters"].items()]
         found += _rows("  or instead", instead(e, record))
-        found += _rows("  what to do", [] if e["stand_in"] else [advice(record, e).what_to_do])
+        found += _rows("  what to do", what_to_do(e, record))
     more = len(record["effects"]) - len(shown)
     return found + _rows("", [f"and {more} more stand-ins in diagnosis.json"] if more else [])
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from serpenoid.diagnose.report.sentences import instead
-from serpenoid.diagnose.report.words import Record, foremost, multiple, own_place, shown, times, title
+from serpenoid.diagnose.report.words import Record, foremost, gone, multiple, own_place, shown, times, title
 from serpenoid.effects.catalogue import find
 from serpenoid.wording import listed
 
@@ -33,7 +33,7 @@ def together(record: Record) -> list[list[Record]]:
 
 def _plain(effect: Record, record: Record) -> bool:
     """Whether a cause has a place, one number, and nothing more to be said of it."""
-    alone = effect["stand_in"] or instead(effect, record) or own_place(effect, record)
+    alone = effect["stand_in"] or instead(effect, record) or own_place(effect, record) or gone(effect)
     return not alone and effect.get("place") is not None and len(effect["parameters"]) == 1
 
 

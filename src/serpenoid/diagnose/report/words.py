@@ -21,6 +21,7 @@ SCALES = {
 }  # fmt: skip
 SMALL_M = 1e-5
 STAND_IN = ", perhaps a stand-in"
+GONE = ", gone since the reference"
 LISTED = 3  # of a list, before it says how many more there are
 
 
@@ -38,6 +39,22 @@ def title(effect: Record) -> str:
     """Name and place, as `worn_wheel at vertex 4`."""
     place = effect.get("place")
     return effect["name"] if place is None else f"{effect['name']} at {find(effect['name']).place} {place}"
+
+
+def gone(effect: Record) -> bool:
+    """Whether a named effect was there before, and intervals of all its numbers hold those that do nothing."""
+    if effect.get("gone"):
+        return True
+    numbers = [(p.neutral, effect["parameters"][p.name]) for p in find(effect["name"]).parameters]
+    known = [(rest, *p["interval"]) for rest, p in numbers if rest is not None and "before" in p]
+    return bool(known) and all(
+        (-math.inf if low is None else low) <= rest <= (math.inf if high is None else high) for rest, low, high in known
+    )
+
+
+def what_to_do(effect: Record, record: Record) -> list[str]:
+    """What to do about a cause; nothing about one that is gone."""
+    return [] if effect["stand_in"] or gone(effect) else [advice(record, effect).what_to_do]
 
 
 def own_place(effect: Record, record: Record) -> str:
@@ -88,10 +105,13 @@ def shown(value: float | None, unit: str, digits: int = 3, size: float | None = 
 
 
 def parameter(p: Record) -> str:
-    """Value and interval, as `0.398 (95 %: 0.393 .. 0.404)`."""
+    """Value and interval, as `0.398 (95 %: 0.393 .. 0.404)`, and what it was before a change."""
+    if p["interval"] == [None, None] and "before" in p:
+        return f"before {shown(p['before'], p['unit'])}"
     value, low, high = ends(p)
     bound = ", at its bound" if p.get("at_bound") else ""
-    return f"{value} (95 %: {low} .. {high}{bound})"
+    was = f", before {shown(p['before'], p['unit'])}" if "before" in p else ""
+    return f"{value} (95 %: {low} .. {high}{bound}){was}"
 
 
 def ends(p: Record) -> tuple[str, str, str]:

@@ -92,7 +92,7 @@ def motion_steps(
     servos: Plays, recordings: Sequence[Recording], stages: Sequence[Stage], seen: Observation, motion: MotionFinding
 ) -> tuple[Step, ...]:
     """From shape to motion, and the whole: all stages' named effects of servos are in it."""
-    actuators = tuple(n.effect for stage in stages for n in stage.named if n.effect.effect.site == "actuation")
+    actuators = tuple(e for stage in stages for e in stage.acting if e.effect.site == "actuation")
     before, after = whole_errors(recordings, seen, motion, servos.known, actuators)
     whole = Error("whole", "m", before, after, motion.selection.noise_level_m)
     return motion_step(motion), Step("commanded shape against realised motion", whole, ())
@@ -100,7 +100,7 @@ def motion_steps(
 
 def actuation_step(data: Plays, stage: Stage) -> Step:
     """Joint by joint [rad]."""
-    sizes = [data.channels(data.realised(effects)) * data.noise for effects in ([], [n.effect for n in stage.named])]
+    sizes = [data.channels(data.realised(effects)) * data.noise for effects in ([], stage.acting)]
     doubt = np.broadcast_to(data.unsure, data.held_against.shape)
     parts = [
         Error(f"joint {j + 1}", "rad", float(a), float(b), float(data.held_against[j]), float(doubt[j]))

@@ -20,6 +20,7 @@ class Named:
 
     stand_in: what the model misses repeats, so that a cause which the catalogue does not hold may be behind it.
     before: values by parameter of what was there before a change; empty: it was not, and neutral values change nothing.
+    gone: it was there, has no value that changes nothing, and is there no more.
     """
 
     effect: ActiveEffect
@@ -28,6 +29,7 @@ class Named:
     at_bound: tuple[str, ...] = ()
     stand_in: bool = False
     before: Mapping[str, float] = field(default_factory=dict)
+    gone: bool = False
 
     @property
     def may_change_nothing(self) -> bool:
@@ -46,7 +48,8 @@ class Named:
         parameters = {}
         for p in self.effect.effect.parameters:
             low, high = self.intervals.get(p.name, (None, None))
-            entry: dict[str, Any] = {"value": self.effect.parameters[p.name], "interval": [low, high]}
+            value = self.effect.parameters[p.name]
+            entry: dict[str, Any] = {"value": None if abs(value) == inf else value, "interval": [low, high]}
             if p.name in self.at_bound:
                 entry["at_bound"] = True
             if p.name in self.before:
@@ -55,7 +58,7 @@ class Named:
         effect = self.effect
         return {
             "name": effect.name, "site": effect.effect.site, "place": effect.place, "parameters": parameters,
-            "strength_over_noise": self.strength, "stand_in": self.stand_in,
+            "strength_over_noise": self.strength, "stand_in": self.stand_in, **({"gone": True} if self.gone else {}),
         }  # fmt: skip
 
 
@@ -156,6 +159,11 @@ class Stage:
         """With these names; stand-ins that may change nothing are none, and too weak."""
         named = tuple(n for n in every if not (n.stand_in and n.may_change_nothing))
         return replace(self, named=named, undetected=(*self.undetected, *(n for n in every if n not in named)))
+
+    @property
+    def acting(self) -> list[ActiveEffect]:
+        """What is named and there."""
+        return [n.effect for n in self.named if not n.gone]
 
     @property
     def settled(self) -> bool:

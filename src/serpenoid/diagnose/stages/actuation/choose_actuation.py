@@ -18,6 +18,7 @@ from serpenoid.diagnose.stages.actuation.actuation_evidence import slopes_of
 from serpenoid.diagnose.stages.actuation.actuation_refit import refined
 from serpenoid.diagnose.stages.actuation.actuation_search import Played, each_its_own, next_one, numbers_of, of_all_anew
 from serpenoid.diagnose.stages.actuation.displaced_markers import displaced_marker
+from serpenoid.diagnose.stages.actuation.gone import as_neutral
 from serpenoid.diagnose.stages.actuation.law_by_trial import ByTrial, law_by_trial
 from serpenoid.diagnose.stages.actuation.plays import Plays
 from serpenoid.diagnose.stages.actuation.trials_astray import trials_astray
@@ -90,7 +91,7 @@ def _chosen(data: Plays) -> tuple[Stage, Played]:
     best, refused = lawful(best, lambda found: list(found.effects), _law_error, _without)
     squares = data.structure(best.angles)
     worst, left = int(squares.argmax()), float(np.sqrt(1 + squares.max()))
-    every = beside_a_larger(data, [_named(best, e) for e in best.effects])
+    every = beside_a_larger(data, [as_neutral(best, _named(best, e)) for e in best.effects])
     misses = squares[worst] > VISIBLE**2
     doubted = misses or any(n.stand_in for n in every)
     by_trial = _by_trial(best, earlier) if doubted else None

@@ -129,7 +129,8 @@ class Looked:
 
     def signature(self, key: Key) -> Floats:
         """Of all channels."""
-        return signature(self.data, only(self.data.body, key, self.changed_by(key)))
+        now, before = (only(self.data.body, model, key) for model in (self.now, self.before))
+        return signature(self.data, now, before)
 
     def known(self, key: Key) -> dict[str, float]:
         """An effect's values before, by parameter; empty where it was not there."""
@@ -171,9 +172,9 @@ def solved(
     return now
 
 
-def only(body: Body, key: Key, amounts: Sequence[float] | Floats) -> Observation:
-    """An observation model with one effect alone, which is so far from neutral."""
+def only(body: Body, model: Observation, key: Key) -> Observation:
+    """An observation model with one effect of a model alone."""
     alone = Observation.neutral(body)
-    for column, amount in zip(columns_of(body, *key), amounts, strict=True):
-        alone = alone.with_column(column, float(amount))
+    for column, value in zip(columns_of(body, *key), values_of(body, model, *key), strict=True):
+        alone = alone.with_column(column, value)
     return alone

@@ -300,19 +300,20 @@ def _rigid(points: Floats, seen: np.ndarray) -> Floats:
     return found.reshape(len(points), 3, -1)
 
 
-def signature(data: Sample, effect: Observation) -> Floats:
-    """RMS of what an observation model changes over noise (m + N,): marker angles over readings, link lengths, and by
-    its axes the paths of trials."""
-    return np.append(np.sqrt((_shown(data, effect) ** 2).mean(axis=0)), _along_paths(data, effect))
+def signature(data: Sample, now: Observation, before: Observation) -> Floats:
+    """RMS of what an observation model changes over noise (m + N,), from another one: marker angles over readings, link
+    lengths, and by its axes the paths of trials."""
+    changed = _shown(data, now) - _shown(data, before)
+    return np.append(np.sqrt((changed**2).mean(axis=0)), _along_paths(data, now, before))
 
 
-def _along_paths(data: Sample, effect: Observation) -> float:
-    """RMS over trials of what axes make of the way from the first frame to the last, over the noise of its ends."""
+def _along_paths(data: Sample, now: Observation, before: Observation) -> float:
+    """RMS over trials of what axes change of the way from the first frame to the last, over the noise of its ends."""
     frames = np.array([len(taken) for *_, taken in data.trials])
     last = np.cumsum(frames)[frames > 0] - 1
     middle = np.nanmean(data.markers, axis=1)
     ways = middle[last] - middle[last - frames[frames > 0] + 1]
-    longer, level = effect.stretched(ways) - ways, data.levels[-1] / np.sqrt(data.body.vertices)
+    longer, level = now.stretched(ways) - before.stretched(ways), data.levels[-1] / np.sqrt(data.body.vertices)
     return float(np.sqrt((longer**2).sum(axis=1).mean()) / level)
 
 

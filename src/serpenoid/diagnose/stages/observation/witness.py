@@ -24,6 +24,7 @@ from serpenoid.diagnose.inference.fits.finding import VISIBLE, Stage, excludable
 from serpenoid.diagnose.inference.fits.prices import most_gained
 from serpenoid.diagnose.stages.actuation.choose_actuation import choose_actuation
 from serpenoid.diagnose.stages.actuation.expected import carried, expected
+from serpenoid.diagnose.stages.actuation.gone import without_gone
 from serpenoid.diagnose.stages.actuation.plays import Plays
 from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.observation.marker_evidence import angle_leverage
@@ -51,11 +52,12 @@ def of_servos(recordings: Sequence[Recording], baseline: Baseline) -> tuple[tupl
     """The stage of actuation; where a log is wrong at a joint, judged again as it was told there."""
     every: tuple[WrongLog, ...] = ()
     while True:
-        servos = baseline.plays(recordings)
+        servos, gone = without_gone(baseline.plays(recordings))
         stage = choose_actuation(servos)
         wrong = wrong_log(recordings, servos, stage, [w.joint for w in every])
         if wrong is None:
-            return tuple(recordings), servos, replace(stage, words=(*_said(every, servos), *stage.words))
+            words = (*_said(every, servos), *stage.words)
+            return tuple(recordings), servos, replace(stage, named=(*gone, *stage.named), words=words)
         every += (wrong,)
         recordings = mended(recordings, servos, stage, wrong)
 
