@@ -45,8 +45,9 @@ def gone(effect: Record) -> bool:
     """Whether a named effect was there before, and intervals of all its numbers hold those that do nothing."""
     if effect.get("gone"):
         return True
-    numbers = [(p.neutral, effect["parameters"][p.name]) for p in find(effect["name"]).parameters]
-    known = [(rest, *p["interval"]) for rest, p in numbers if rest is not None and "before" in p]
+    rests = {p.name: p.neutral for p in find(effect["name"]).parameters if p.neutral is not None}
+    numbers = [(rests[name], p) for name, p in effect["parameters"].items() if name in rests]
+    known = [(rest, *p["interval"]) for rest, p in numbers if "before" in p]
     return bool(known) and all(
         (-math.inf if low is None else low) <= rest <= (math.inf if high is None else high) for rest, low, high in known
     )

@@ -199,7 +199,7 @@ def _rivals(best: Played, effect: ActiveEffect, singles: list[Attempt]) -> list[
     A law of more numbers may hold the chosen one as a limit: it is no rival, since its numbers do not earn their price.
     """
     data, least, keys = best.data, best.priced, {e.key for e in best.effects}
-    kept = [e for e in best.effects if e is not effect]
+    kept = [e for e in best.effects if e.key != effect.key]
     tries = [t for t in (attempts(data, kept) if kept else singles) if numbers_of(t.effect) <= numbers_of(effect)]
     band = most_gained(numbers_of(effect), len(tries))
     roughly = min(float(t.chi2.sum()) for t in tries)  # each with the shifts in time of all joints' fits together
