@@ -161,7 +161,7 @@ def _by_clocks(recordings: Sequence[Recording], baseline: Baseline) -> tuple[Sta
     every, known = set(all_keys(recordings[0].body)), baseline.observation()
     recordings, _ = bent_by(recordings, known)
     for _ in range(RELAID):
-        stage, seen = choose_observation(recordings, known, baseline.without, baseline.squares)
+        stage, seen = choose_observation(recordings, known, baseline.without, baseline.squares, baseline.rate)
         if not seen.corrects:
             break
         keys = [n.effect.key for n in (*stage.named, *stage.undetected) if n.effect.key in every]

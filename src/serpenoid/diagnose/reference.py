@@ -26,6 +26,7 @@ from serpenoid.diagnose.data.noise.motion import Motion, Repeated
 from serpenoid.diagnose.data.noise.noise import residuals, window_noise
 from serpenoid.diagnose.data.noise.paths import repeated
 from serpenoid.diagnose.data.noise.repeats import UNLIKE, by_setting, chance_from
+from serpenoid.diagnose.data.recordings.clocks import pooled
 from serpenoid.diagnose.data.recordings.recording import Recording, held_as_all_told
 from serpenoid.diagnose.data.windows.tracks import make_tracks
 from serpenoid.diagnose.data.windows.windows import Track
@@ -118,6 +119,12 @@ class Reference(Baseline):
     def earlier(self) -> Repeated:
         """Of its repeats."""
         return self.again
+
+    @property
+    def rate(self) -> tuple[float, float]:
+        """As it was, where that was named."""
+        named = any(e.effect.marks == "rate" for e in self.known)
+        return pooled([r.clock for r in self.servos.recordings]) if named else super().rate
 
     @property
     def unlike(self) -> Floats:

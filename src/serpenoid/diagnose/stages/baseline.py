@@ -43,6 +43,11 @@ class Baseline:
         return (*self.model.effects, *self.others)
 
     @property
+    def rate(self) -> tuple[float, float]:
+        """Of the film's clock beside the servos' [s/s], as it is known, and its deviation."""
+        return sum(x for e in self.known if e.effect.marks == "rate" for x in e.coordinates[:-1]), 0.0
+
+    @property
     def unlike(self) -> Floats | float:
         """The largest difference between two repeats' windows that is no news (3,) [m, m, rad]."""
         return 0.0

@@ -236,8 +236,11 @@ def _scattered(squares: Floats, degrees: Floats) -> tuple[float, ...]:
     repeats share makes all ratios larger, and their mean logarithm is not looked at.
     """
     factors = 2.0 ** np.arange(1 + int(np.log2(max(float(degrees.max()), 1.0))))
-    shape = degrees / factors[:, None] / 2
-    z = np.log(squares[0] / squares[1])
+    told = (squares > 0).all(axis=0)  # of a campaign beside itself the sum of two repeats is 0
+    if not told.any():
+        return (0.0,) * len(factors)
+    shape = degrees[told] / factors[:, None] / 2
+    z = np.log(squares[0, told] / squares[1, told])
     z = z - z.mean()
     return tuple((shape * z - 2 * shape * np.logaddexp(0.0, z) - betaln(shape, shape)).sum(axis=1).tolist())
 

@@ -43,10 +43,12 @@ def choose_observation(
     now: Observation,
     without: Set[str] = frozenset(),
     before: tuple[float, ...] = (),
+    rate: tuple[float, float] = (0.0, 0.0),
 ) -> tuple[Stage, Observation]:
     """What is new beside the observation model `now`, and the model to be taken out of the data (weak effects too).
 
-    without: effects that are no candidates. before: what a reference left, which is no news (`Stage.squares`).
+    without: effects that are no candidates. before: what a reference left, which is no news (`Stage.squares`). rate: of
+    the clocks, as it is known [s/s], and its deviation.
     """
     bare = best = Looked(sample(recordings), now, now, without=frozenset(without))
     while (more := _next(best)) is not None:
@@ -71,7 +73,7 @@ def choose_observation(
     fits = [(best if other is None or key not in kept else other.beside, key) for key in best.keys]
     every = [_named(fit, key, stand_in=key not in kept) for fit, key in fits if key not in beyond]
     rates = rates_by_trial(recordings, best)
-    clock = rate_of_all(recordings, best) if rates is None else None
+    clock = rate_of_all(recordings, best, rate) if rates is None else None
     every += [] if clock is None else [clock]
     nameless = [n for n in every if n.strength >= VISIBLE and n.may_change_nothing]
     every = [n for n in every if n not in nameless]

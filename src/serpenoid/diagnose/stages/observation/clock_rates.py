@@ -19,17 +19,19 @@ from serpenoid.effects.base import Effect
 from serpenoid.effects.catalogue import marking
 
 
-def rate_of_all(recordings: Sequence[Recording], best: Looked) -> Named | None:
-    """The rate between two clocks, if it is more than chance."""
-    kind = _kind(best)
+def rate_of_all(recordings: Sequence[Recording], best: Looked, known: tuple[float, float] = (0.0, 0.0)) -> Named | None:
+    """The rate between two clocks, if it is another one than before by more than chance; known: that rate and its
+    deviation."""
+    kind, (before, before_sd) = _kind(best), known
     rate, sd = pooled([r.clock for r in recordings])
-    if kind is None or (rate / sd) ** 2 < best.needed:
+    if kind is None or ((rate - before) / np.hypot(sd, before_sd)) ** 2 < best.needed:
         return None
     (parameter,) = kind.parameters
     half = NORMAL * SYSTEMATIC * sd + parameter.resolution
     effect = ActiveEffect.neutral(kind.name).with_coordinates([rate])
     ends = {parameter.name: interval((rate - half, rate + half))}
-    return Named(effect, ends, abs(rate) * _visible(best, recordings))
+    was = {parameter.name: before} if before else {}
+    return Named(effect, ends, abs(rate - before) * _visible(best, recordings), before=was)
 
 
 def rates_by_trial(recordings: Sequence[Recording], best: Looked) -> Divided | None:
