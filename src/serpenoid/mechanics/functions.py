@@ -3,7 +3,6 @@
 Legend: N vertices, m joints, M elements. `parameters` = edges (N - 1), weights (N), anisotropy ratio: (2 N, 1).
 Lengths in body lengths, weights summing to one. Poses are relative: body frame of t + 1 in that of t, (x, y, heading).
 
-    joint_angles   (coordinates (3), parameters) -> joint_angles (m)
     gait_joint_angles (gait (k), row data (d), parameters) -> joint_angles (m), for one family of gaits
     lifted_row     (coordinates (5), parameters) -> points (3, N), shares (N), elements (7, M): of a body that is lifted
     shape          (joint_angles (m), parameters) -> vertices (2, N), elements (4, M) in the body frame
@@ -37,16 +36,6 @@ def split_parameters(parameters: ca.SX | ca.MX, structure: Structure) -> tuple:
 
 
 @lru_cache(maxsize=64)
-def joint_angles(structure: Structure) -> ca.Function:
-    """Serpenoid shape coordinates to joint angles."""
-    coordinates, parameters = ca.SX.sym("coordinates", 3), _parameters(structure)
-    edges, _, _ = split_parameters(parameters, structure)
-    angles = kinematics.serpenoid_joint_angles(coordinates, edges, structure)
-    names = (["coordinates", "parameters"], ["joint_angles"])
-    return ca.Function("joint_angles", [coordinates, parameters], [angles], *names, CSE)
-
-
-@lru_cache(maxsize=64)
 def gait_joint_angles(structure: Structure, family: GaitFamily) -> ca.Function:
     """A row of a family's table: the parameters it depends on and its data to joint angles."""
     p, data = ca.SX.sym("gait", family.indices.shape[1]), ca.SX.sym("data", family.data.shape[1])
@@ -66,14 +55,6 @@ def lifted_row(structure: Structure, lift: Lift) -> ca.Function:
     outputs = [ca.densify(x) for x in (body.points, body.shares, lifted.elements(body, edges, structure))]
     names = (["coordinates", "parameters"], ["points", "shares", "elements"])
     return ca.Function("lifted_row", [coordinates, parameters], outputs, *names, CSE)
-
-
-@lru_cache(maxsize=1)
-def relative_pose() -> ca.Function:
-    """Pose of the second argument in the frame of the first."""
-    a, b = ca.SX.sym("a", 3), ca.SX.sym("b", 3)
-    value = ca.vertcat(energy.planar_rotation(a[2]).T @ (b[:2] - a[:2]), b[2] - a[2])
-    return ca.Function("relative_pose", [a, b], [value], ["from", "to"], ["pose"])
 
 
 @lru_cache(maxsize=64)

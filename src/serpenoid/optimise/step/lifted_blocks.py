@@ -25,7 +25,6 @@ from serpenoid.objectives import frames
 from serpenoid.optimise.step.blocks import Cycle
 
 COORDINATES = 5
-LOCAL = spatial.POSE + 2 * COORDINATES
 # of the residuals: the floor's support is stiffer than the drag by so much, and would stop every step of a search
 SCALE = ca.DM([1.0] * 3 + [1 / spatial.SUPPORT] * 3)
 
