@@ -36,9 +36,21 @@ def some_of(names: Sequence[str], every: Sequence[str], noun: str) -> str:
     return f"{', '.join(names[: FEW - 1])} and {len(names) - FEW + 1} others"
 
 
+def closest(word: str, known: Iterable[str]) -> str | None:
+    """The one of the known words that looks most like a word; None where none does."""
+    return next(iter(difflib.get_close_matches(word, list(known), n=1)), None)
+
+
 def meant(word: str, known: Iterable[str]) -> str:
     """` Did you mean `close`?`; empty where none is."""
-    return "".join(f" Did you mean `{close}`?" for close in difflib.get_close_matches(word, list(known), n=1))
+    close = closest(word, known)
+    return "" if close is None else f" Did you mean `{close}`?"
+
+
+def meant_or_all(word: str, known: Iterable[str], there: str) -> str:
+    """`did you mean `close`?`; where none is, all: `there: one, another`."""
+    close = closest(word, known)
+    return f"{there}: {', '.join(known)}" if close is None else f"did you mean `{close}`?"
 
 
 def counted(number: int, noun: str) -> str:

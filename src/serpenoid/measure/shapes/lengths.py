@@ -78,7 +78,11 @@ def without_noise(body: Body, time_s: Floats, points: Floats) -> Floats:
 
 def usual(lengths: Floats) -> Floats:
     """Mean (E,) of every edge (F, E) over the frames that show it about as long as usual; NaN where none does."""
-    used = in_place(lengths)
+    return mean_of(lengths, in_place(lengths))
+
+
+def mean_of(lengths: Floats, used: NDArray[np.bool_]) -> Floats:
+    """Mean (E,) of every edge (F, E) over the frames in which it is `used` (F, E); NaN where in none."""
     often = used.sum(axis=0)
     total = np.where(used, lengths, 0.0).sum(axis=0)
     return np.where(often > 0, total / np.maximum(often, 1), np.nan)
