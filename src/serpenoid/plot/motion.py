@@ -61,7 +61,7 @@ def motion(
     ax.plot([], [], "o", markersize=8, color=PHASE_MAP(0.0), label="head")
     points = np.concatenate([chains[rows].reshape(-1, 2), poses[:, :2]])
     _scale_bar(points, ax, body_length_m, bar_within)
-    around(points, ax, 0.05, below=0.05 if bar_within else 0.0)
+    around(points, ax, below=0.05 if bar_within else 0.0)
     return dress(ax, title, "x [body lengths]", "y [body lengths]")
 
 

@@ -25,7 +25,7 @@ def solve_independent(model: Model, before: Floats, after: Floats, times: Floats
     return solve_balance(model, before, after, spans, np.zeros_like(guess), guess)
 
 
-def solve_extended(model: Model, elements: Floats, times: Floats, start: Floats | None = None) -> Steps:
+def solve_extended(model: Model, elements: Floats, times: Floats, start: Floats | None) -> Steps:
     """Relative poses of a sequence of shapes: elements (4, M R) at `times` (R,) [s], first pose `start` on the floor.
 
     With inertia the body is at rest before the first row. `start` (K + 1, 3): it is moving already, and these are its

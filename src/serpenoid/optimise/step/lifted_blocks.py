@@ -78,7 +78,7 @@ def element_functions(portable: bool = False) -> list[Columns]:
 
 
 @lru_cache(maxsize=2)
-def composition(portable: bool = False) -> list[ca.Function]:
+def composition(portable: bool) -> list[ca.Function]:
     """`_composition`, compiled unless portable."""
     return _composition() if portable else compiled(_composition())
 
