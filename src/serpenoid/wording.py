@@ -36,6 +36,12 @@ def some_of(names: Sequence[str], every: Sequence[str], noun: str) -> str:
     return f"{', '.join(names[: FEW - 1])} and {len(names) - FEW + 1} others"
 
 
+def some_and_more(items: Sequence[str], most: int, more: str = "more") -> str:
+    """The first of them, and how many more there are: `a, b and 4 more`."""
+    rest = len(items) - most
+    return ", ".join(items[:most]) + (f" and {rest} {more}" if rest > 0 else "")
+
+
 def closest(word: str, known: Iterable[str]) -> str | None:
     """The one of the known words that looks most like a word; None where none does."""
     return next(iter(difflib.get_close_matches(word, list(known), n=1)), None)
