@@ -128,12 +128,6 @@ def step(structure: Structure) -> ca.Function:
 STEP_INPUTS = ["before", "after", "pose", "parameters"]
 
 
-@lru_cache(maxsize=1)
-def reduced_step() -> ca.Function:
-    """(turn, moments) -> translation (2), dE/d turn, its slope, energy; the translation is eliminated."""
-    return planar.step_at()
-
-
 def _parameters(structure: Structure) -> ca.SX:
     return ca.SX.sym("parameters", 2 * structure.vertices)
 
