@@ -24,15 +24,15 @@ def warned(said: str, warnings: Iterable[str]) -> str:
     return "; ".join([said, *(f"warning: {warning}" for warning in warnings)])
 
 
-def some_of(names: Sequence[str], every: Sequence[str], noun: str) -> str:
+def some_trials(names: Sequence[str], every: Sequence[str]) -> str:
     """Which of all they are, in a few names: `a, b`, `all 16 trials`, `all 16 trials but a`, `a, b, c and 6 others`."""
     rest = [name for name in every if name not in names]
     if not rest and len(names) > 2:
-        return f"all {counted(len(names), noun)}"
+        return f"all {counted(len(names), 'trial')}"
     if len(names) <= FEW:
         return ", ".join(names)
     if len(rest) < FEW:
-        return f"all {counted(len(every), noun)} but {listed(rest)}"
+        return f"all {counted(len(every), 'trial')} but {listed(rest)}"
     return f"{', '.join(names[: FEW - 1])} and {len(names) - FEW + 1} others"
 
 

@@ -27,7 +27,6 @@ class CyclePower:
     power_W: float
     cost_of_transport: float
     dissipation_rate: float  # [1/s^2]: sum of w |v|^2-like terms, body lengths, weights summing to one
-    aligned: bool  # False: the power log has no common motion with the schedule; its whole-record mean is used
 
 
 @dataclass(frozen=True)
@@ -52,7 +51,10 @@ class PowerModel:
 
 
 def cycle_power(trial: Trial, comparison: Comparison, mass_kg: float) -> CyclePower | None:
-    """Power and cost of transport of one compared cycle; None without power log, scale or schedule."""
+    """Power and cost of transport of one compared cycle; None without power log, scale or schedule.
+
+    Where the power log has no common motion with the schedule, the mean of the whole record is its power.
+    """
     if trial.power_log is None or trial.metres is None or trial.schedule is None:
         return None
     offset = power_offset(trial)
@@ -67,7 +69,7 @@ def cycle_power(trial: Trial, comparison: Comparison, mass_kg: float) -> CyclePo
     steps = np.diff(comparison.time_s)
     rate = float((comparison.resim.step_energy / steps)[moving].sum() / (last - first))
     cost = power / (mass_kg * GRAVITY * speed) if speed > 0 else float("inf")
-    return CyclePower(trial.name, trial.gait, trial.dissipation_coefficient, power, cost, rate, aligned)
+    return CyclePower(trial.name, trial.gait, trial.dissipation_coefficient, power, cost, rate)
 
 
 def power_offset(trial: Trial) -> float | None:
