@@ -20,6 +20,7 @@ CUT_S = 0.1  # in which a record at its end moves, or rests, unless its noise as
 LEAST_STRETCHES = 8  # of a record: fewer do not tell where it moves
 EARLY = 0.05  # of logs end early: as rare as what else is wrong (`consistency.rivals.FAULTY`)
 LEAST_COMMON = 4  # rows of two records: fewer are no overlap
+ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
 HOLE = 3.0  # typical frames: a longer gap is not bridged
 
 

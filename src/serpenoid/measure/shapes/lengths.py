@@ -27,12 +27,11 @@ from numpy.typing import NDArray
 from serpenoid.body import Body
 from serpenoid.body_curve import SMOOTH, curve
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.clock import bridged
+from serpenoid.measure.clock import ROBUST, bridged
 from serpenoid.measure.shapes.links import marker_angles
 from serpenoid.measure.shapes.own_noise import own_noise, share_of_scatter
 from serpenoid.measure.shapes.smooth import cross_validated, smooth
 
-ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
 STRETCHED = 3.0  # times its median: no edge grows so long; a point is astray
 ODD = 5.0  # robust SDs about the median: an edge whose end is where it is not
 LEAST_ODD = 0.02  # of a length: what is less does no harm, and of a body that rests the SD is none
