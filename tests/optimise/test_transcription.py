@@ -13,7 +13,7 @@ import pytest
 
 from serpenoid.body import Body, Floats
 from serpenoid.gaits import EllipseGait
-from serpenoid.mechanics import energy, functions
+from serpenoid.mechanics import functions
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.objectives import Criteria
@@ -44,11 +44,6 @@ class Direct:
     derivatives: ca.Function
 
 
-def relative_pose(a: ca.SX, b: ca.SX) -> ca.SX:
-    """Pose b in the frame of a."""
-    return ca.vertcat(energy.planar_rotation(a[2]).T @ (b[:2] - a[:2]), b[2] - a[2])
-
-
 def direct(model: Model, c: float, phases: Floats) -> Direct:
     structure, m = model.structure, model.structure.elements
     x, parameters = ca.SX.sym("x", 3 * STEPS + 6), ca.DM(model.parameters)
@@ -60,7 +55,7 @@ def direct(model: Model, c: float, phases: Floats) -> Direct:
     step = ca.Function("step", [before, after, pose], [value, ca.gradient(value, pose)])
     total, residuals = ca.SX(0), []
     for t in range(STEPS):
-        relative = relative_pose(poses[:, t], poses[:, t + 1])
+        relative = functions.relative_pose()(poses[:, t], poses[:, t + 1])
         value, slope = step(rows[t], rows[t + 1], relative)
         total += value
         residuals.append(STEPS * slope)

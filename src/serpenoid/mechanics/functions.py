@@ -5,6 +5,7 @@ Lengths in body lengths, weights summing to one. Poses are relative: body frame 
 
     gait_joint_angles (gait (k), row data (d), parameters) -> joint_angles (m), for one family of gaits
     lifted_row     (coordinates (5), parameters) -> points (3, N), shares (N), elements (7, M): of a body that is lifted
+    relative_pose  (from (3), to (3)) -> pose (3): the second in the frame of the first
     shape          (joint_angles (m), parameters) -> vertices (2, N), elements (4, M) in the body frame
     shape_elements (vertices (2, N)) -> elements (4, M): positions above unit tangents, in the vertices' frame
     step_energy    (before (4, M), after (4, M), pose (3), parameters) -> energy
@@ -55,6 +56,14 @@ def lifted_row(structure: Structure, lift: Lift) -> ca.Function:
     outputs = [ca.densify(x) for x in (body.points, body.shares, lifted.elements(body, edges, structure))]
     names = (["coordinates", "parameters"], ["points", "shares", "elements"])
     return ca.Function("lifted_row", [coordinates, parameters], outputs, *names, CSE)
+
+
+@lru_cache(maxsize=1)
+def relative_pose() -> ca.Function:
+    """Pose of the second argument in the frame of the first."""
+    a, b = ca.SX.sym("a", 3), ca.SX.sym("b", 3)
+    value = ca.vertcat(energy.planar_rotation(a[2]).T @ (b[:2] - a[:2]), b[2] - a[2])
+    return ca.Function("relative_pose", [a, b], [value], ["from", "to"], ["pose"])
 
 
 @lru_cache(maxsize=64)
