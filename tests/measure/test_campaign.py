@@ -120,6 +120,7 @@ def test_idle_power_and_dissipation_coefficient_are_recovered(study):
     assert study.power is not None
     assert study.power.idle_W == pytest.approx(LAB.idle_W, rel=0.01)
     assert study.power.coefficient_W == pytest.approx(LAB.dissipation_W, rel=0.03)
+    assert all(cycle.aligned for cycle in study.cycles)
 
 
 def test_ratios_of_a_faithful_model_have_no_bias(study):

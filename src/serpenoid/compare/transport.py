@@ -19,14 +19,16 @@ from serpenoid.performance import GRAVITY
 
 @dataclass(frozen=True)
 class CyclePower:
-    """One cycle: mean electrical power while moving, cost of transport, and the model's dissipation rate."""
+    """One cycle: mean electrical power while moving, speed, cost of transport, and the model's dissipation rate."""
 
     trial: str
     gait: str
     dissipation_coefficient: float | None
     power_W: float
+    speed_m_s: float
     cost_of_transport: float
     dissipation_rate: float  # [1/s^2]: sum of w |v|^2-like terms, body lengths, weights summing to one
+    aligned: bool  # False: the power log has no common motion with the schedule; its whole-record mean is used
 
 
 @dataclass(frozen=True)
@@ -42,19 +44,18 @@ class CostPoint:
 
 @dataclass(frozen=True)
 class PowerModel:
-    """P = idle_W + coefficient_W * dissipation rate; r2 of the fit."""
+    """P = idle_W + coefficient_W * dissipation rate, with standard errors; r2 of the fit."""
 
     idle_W: float
     coefficient_W: float
+    idle_sd: float
+    coefficient_sd: float
     r2: float
     cycles: int
 
 
 def cycle_power(trial: Trial, comparison: Comparison, mass_kg: float) -> CyclePower | None:
-    """Power and cost of transport of one compared cycle; None without power log, scale or schedule.
-
-    Where the power log has no common motion with the schedule, the mean of the whole record is its power.
-    """
+    """Power and cost of transport of one compared cycle; None without power log, scale or schedule."""
     if trial.power_log is None or trial.metres is None or trial.schedule is None:
         return None
     offset = power_offset(trial)
@@ -69,7 +70,7 @@ def cycle_power(trial: Trial, comparison: Comparison, mass_kg: float) -> CyclePo
     steps = np.diff(comparison.time_s)
     rate = float((comparison.resim.step_energy / steps)[moving].sum() / (last - first))
     cost = power / (mass_kg * GRAVITY * speed) if speed > 0 else float("inf")
-    return CyclePower(trial.name, trial.gait, trial.dissipation_coefficient, power, cost, rate)
+    return CyclePower(trial.name, trial.gait, trial.dissipation_coefficient, power, speed, cost, rate, aligned)
 
 
 def power_offset(trial: Trial) -> float | None:
@@ -108,9 +109,11 @@ def fit_power(cycles: list[CyclePower]) -> PowerModel | None:
     design = np.stack([np.ones_like(rate), rate], axis=1)
     (idle, coefficient), _ = nnls(design, power)
     left = power - design @ np.array([idle, coefficient])
+    variance = float(left @ left) / max(len(power) - 2, 1)
+    sd = np.sqrt(np.diag(variance * np.linalg.inv(design.T @ design)))
     total = float(((power - power.mean()) ** 2).sum())
     r2 = 1 - float(left @ left) / total if total > 0 else float("nan")
-    return PowerModel(float(idle), float(coefficient), r2, len(cycles))
+    return PowerModel(float(idle), float(coefficient), float(sd[0]), float(sd[1]), r2, len(cycles))
 
 
 def by_coefficient(points: tuple[CostPoint, ...]) -> dict[str, Floats]:
