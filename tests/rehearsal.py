@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from serpenoid.body import Body
+from serpenoid.body import Body, Floats
+from serpenoid.measure.consistency.reach import Reach
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 
@@ -20,6 +21,11 @@ def snake(eps: float = EPS, dissipation: str = "vertex") -> Model:
     edges = (0.0418, *[0.0836] * 9, 0.0418)
     body = Body(vertices=12, edge_lengths=edges, weights=(1.8, *[1.0] * 10, 2.1), mass_kg=1.38)
     return Model(body, Medium(anisotropy_ratio=eps, dissipation=dissipation))
+
+
+def of_links(lengths: Floats) -> Reach:
+    """Where every pair of markers is a link's two ends (M - 1,)."""
+    return Reach(lengths, lengths)
 
 
 def serpenoid_table(rows: int, a: float = 6.0, xi: float = 1.0, turn: float = 0.0) -> np.ndarray:

@@ -48,7 +48,7 @@ MAY_IMPORT = {
     "wording": set(),
     "status": set(),
     "media": {"errors"},
-    "effects": {"body", "files", "errors", "media"},
+    "effects": {"body", "files", "errors", "wording", "media"},
     "model": LEFT_OF_MODELS | {"effects", "media"},
     "trajectory": LEFT_OF_MODELS,
     "lifting": LEFT_OF_MODELS | {"model"},

@@ -24,21 +24,39 @@ def warned(said: str, warnings: Iterable[str]) -> str:
     return "; ".join([said, *(f"warning: {warning}" for warning in warnings)])
 
 
-def some_of(names: Sequence[str], every: Sequence[str], noun: str) -> str:
+def some_trials(names: Sequence[str], every: Sequence[str]) -> str:
     """Which of all they are, in a few names: `a, b`, `all 16 trials`, `all 16 trials but a`, `a, b, c and 6 others`."""
     rest = [name for name in every if name not in names]
     if not rest and len(names) > 2:
-        return f"all {counted(len(names), noun)}"
+        return f"all {counted(len(names), 'trial')}"
     if len(names) <= FEW:
         return ", ".join(names)
     if len(rest) < FEW:
-        return f"all {counted(len(every), noun)} but {listed(rest)}"
+        return f"all {counted(len(every), 'trial')} but {listed(rest)}"
     return f"{', '.join(names[: FEW - 1])} and {len(names) - FEW + 1} others"
+
+
+def some_and_more(items: Sequence[str], most: int, more: str = "more") -> str:
+    """The first of them, and how many more there are: `a, b and 4 more`."""
+    rest = len(items) - most
+    return ", ".join(items[:most]) + (f" and {rest} {more}" if rest > 0 else "")
+
+
+def closest(word: str, known: Iterable[str]) -> str | None:
+    """The one of the known words that looks most like a word; None where none does."""
+    return next(iter(difflib.get_close_matches(word, list(known), n=1)), None)
 
 
 def meant(word: str, known: Iterable[str]) -> str:
     """` Did you mean `close`?`; empty where none is."""
-    return "".join(f" Did you mean `{close}`?" for close in difflib.get_close_matches(word, list(known), n=1))
+    close = closest(word, known)
+    return "" if close is None else f" Did you mean `{close}`?"
+
+
+def meant_or_all(word: str, known: Iterable[str], there: str) -> str:
+    """`did you mean `close`?`; where none is, all: `there: one, another`."""
+    close = closest(word, known)
+    return f"{there}: {', '.join(known)}" if close is None else f"did you mean `{close}`?"
 
 
 def counted(number: int, noun: str) -> str:

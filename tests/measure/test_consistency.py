@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rehearsal import ROOT, serpenoid_table, snake
+from rehearsal import ROOT, of_links, serpenoid_table, snake
 from serpenoid.compare.rehearse import Laboratory, write_campaign
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_csv
@@ -23,7 +23,6 @@ from serpenoid.measure.consistency.geometry import marker_faults
 from serpenoid.measure.consistency.hypotheses import rounded
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.match import course_of, match, match_at
-from serpenoid.measure.consistency.reach import Reach
 from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.consistency.signals import Signal, sample
 from serpenoid.measure.formats.motive import read_motive
@@ -423,7 +422,7 @@ def test_an_animal_without_lengths_shows_which_points_are_exchanged(count):
 @pytest.mark.parametrize("known", [True, False], ids=["lengths given", "no lengths"])
 @pytest.mark.parametrize("k", [0, 3, 7])
 def test_one_column_in_another_unit_is_told_by_its_name(k, known):
-    points, edges = tracked(8), Reach.of_links(np.full(7, 1 / 7)) if known else None
+    points, edges = tracked(8), of_links(np.full(7, 1 / 7)) if known else None
     points[:, k, 0] *= 1000
     found = marker_faults(layout(points + 0.01, edges), list("abcdefgh"), None)
     assert found[0].gain > ODDS
@@ -433,7 +432,7 @@ def test_one_column_in_another_unit_is_told_by_its_name(k, known):
 def test_a_marker_that_is_badly_placed_is_not_said_to_be_elsewhere():
     points = tracked(8)
     points[:, 3, 0] += 0.9 / 7
-    found = marker_faults(layout(points, Reach.of_links(np.full(7, 1 / 7))), list("abcdefgh"), None)
+    found = marker_faults(layout(points, of_links(np.full(7, 1 / 7))), list("abcdefgh"), None)
     assert "elsewhere" not in [fault.kind for fault in found]
 
 

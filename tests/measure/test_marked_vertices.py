@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rehearsal import of_links
 from serpenoid.body import Body
 from serpenoid.cli.main import main
 from serpenoid.errors import InputError
@@ -15,7 +16,7 @@ from serpenoid.measure.consistency.claims import contradictions
 from serpenoid.measure.consistency.geometry import Plane, marker_faults
 from serpenoid.measure.consistency.layout import layout
 from serpenoid.measure.consistency.lengths import Shown, one_longer
-from serpenoid.measure.consistency.reach import Reach, reach
+from serpenoid.measure.consistency.reach import reach
 from serpenoid.measure.consistency.rivals import ODDS
 from serpenoid.measure.load import load_campaign
 from serpenoid.measure.shapes.links import chain_vertices
@@ -157,7 +158,7 @@ def test_the_upward_axis_of_a_short_chain_is_the_one_along_which_nothing_moves()
     shown = [0, 2, 4, 6]
     height = 0.02 + 1e-4 * np.random.default_rng(5).normal(size=points[:, shown, :1].shape)
     space = np.concatenate([points[:, shown], height], axis=2)
-    lengths = Reach.of_links(np.array([0.11, 0.19, 0.14]))
+    lengths = of_links(np.array([0.11, 0.19, 0.14]))
     for axis, floor in {"z": [0, 1], "y": [2, 0], "x": [1, 2]}.items():
         plan = layout(space[..., floor], lengths)
         found = marker_faults(plan, ["t", "a", "b", "h"], Plane(space, axis, lambda floor: floor))

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rehearsal import serpenoid_table
+from rehearsal import of_links, serpenoid_table
 from serpenoid.body import Body
 from serpenoid.errors import InputError
 from serpenoid.files.store import file_digest
@@ -19,7 +19,6 @@ from serpenoid.measure.consistency.check import check
 from serpenoid.measure.consistency.claim import Claim
 from serpenoid.measure.consistency.geometry import marker_faults
 from serpenoid.measure.consistency.layout import layout
-from serpenoid.measure.consistency.reach import Reach
 from serpenoid.measure.consistency.signals import Signal
 from serpenoid.measure.formats.columns import ServoColumns, ServoKeys
 from serpenoid.measure.load import load_campaign
@@ -42,7 +41,7 @@ def _without_a_word():
 def test_markers_in_one_place_are_told(copied):
     points = np.stack([np.linspace(0, 1, 5), np.zeros(5)], axis=1) + np.zeros((20, 1, 1))
     points[:, copied] = 0.25
-    found = marker_faults(layout(points, Reach.of_links(np.full(4, 0.25))), list("abcde"), None)
+    found = marker_faults(layout(points, of_links(np.full(4, 0.25))), list("abcde"), None)
     assert found[0].words == f"have `{'abcde'[copied.start]}` and `{'abcde'[copied.start + 1]}` in one place"
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
 from oracle import chain, integrator
 from serpenoid.gaits import EllipseGait
-from serpenoid.mechanics import functions
+from serpenoid.mechanics import functions, kinematics
 from serpenoid.simulation.rollout import body_frame, body_poses
 from serpenoid.simulation.steps import elements_of_vertices, shape_rows
 from specimens import BODIES, random_table, reference, serpenoid_table
@@ -23,7 +24,8 @@ def test_joint_angle_is_the_curvature_integrated_between_the_midpoints_of_its_li
     def curvature(s: float) -> float:
         return w1 * np.sin(2 * np.pi * xi * s) + w2 * np.cos(2 * np.pi * xi * s)
 
-    found = functions.joint_angles(model.structure)([w1, w2, xi], model.parameters).full()[:, 0]
+    symbols = kinematics.serpenoid_joint_angles(ca.SX([w1, w2, xi]), ca.SX(model.body.edges), model.structure)
+    found = ca.evalf(symbols).full()[:, 0]
     middles = (np.arange(11) + 0.5) / 11
     expected = [quad(curvature, a, b, epsabs=1e-14)[0] for a, b in zip(middles[:-1], middles[1:], strict=True)]
     np.testing.assert_allclose(found, expected, atol=ROUNDING)
@@ -69,7 +71,6 @@ def test_body_frame_sits_at_the_weighted_centroid_along_the_mean_edge_angle(name
 def test_public_functions_name_their_inputs_and_keep_the_documented_shapes() -> None:
     structure = reference().structure
     wanted = {
-        functions.joint_angles: ({"coordinates": (3, 1), "parameters": (24, 1)}, {"joint_angles": (10, 1)}),
         functions.shape: (
             {"joint_angles": (10, 1), "parameters": (24, 1)},
             {"vertices": (2, 12), "elements": (4, 12)},
@@ -90,8 +91,6 @@ def test_public_functions_name_their_inputs_and_keep_the_documented_shapes() -> 
 
 
 def test_a_saved_function_is_the_same_function(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    import casadi as ca
-
     model = reference()
     step = functions.step(model.structure)
     step.save(str(tmp_path / "step.casadi"))

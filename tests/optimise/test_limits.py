@@ -7,7 +7,7 @@ import pytest
 
 from serpenoid.optimise.program.limits import even_rows, exchange, path_limits, violations
 from serpenoid.optimise.program.prepared import Carried
-from serpenoid.optimise.solver import GaitSolver
+from serpenoid.optimise.solver import GaitSolver, Run
 from serpenoid.optimise.starts import random_gaits
 from specimens import problem
 
@@ -55,7 +55,7 @@ def test_rows_grow_where_an_exchange_alone_does_not_help() -> None:
 def test_few_rows_give_the_optimum_of_all_rows(steps: int) -> None:
     solver = GaitSolver(problem("snake10", f"task.steps={steps}"))
     (start,) = random_gaits(solver, 1, seed=1)
-    few, full = solver.solve(start, 0.5), solver.solve(start, 0.5, carried=Carried(tuple(range(steps))))
+    few, full = solver.solve(start, 0.5), solver.solve(start, 0.5, Run(carried=Carried(tuple(range(steps)))))
     assert few.outcome.status.ok
     assert full.outcome.status.ok
     assert few.outcome.objective == pytest.approx(full.outcome.objective, abs=1e-8)

@@ -19,7 +19,7 @@ from serpenoid.optimise.multistart import solve_many
 from serpenoid.optimise.program.limits import path_limits, violations
 from serpenoid.optimise.solution import Solution
 from serpenoid.optimise.solve import improve, solve, solve_from
-from serpenoid.optimise.solver import GaitSolver
+from serpenoid.optimise.solver import GaitSolver, Run
 from serpenoid.optimise.starts import random_gaits, within
 from serpenoid.status import Status
 from specimens import oracle_run, problem
@@ -200,7 +200,7 @@ def test_a_warm_start_from_the_answer_is_the_answer_in_a_few_iterations() -> Non
     (start,) = random_gaits(solver, 1, seed=0)
     cold = solver.solve(start, 1.0)
     assert cold.outcome.status.ok
-    warm = solver.solve(cold.outcome.point, 1.0, carried=cold.carried)
+    warm = solver.solve(cold.outcome.point, 1.0, Run(carried=cold.carried))
     assert warm.outcome.status.ok
     assert warm.outcome.objective == pytest.approx(cold.outcome.objective, abs=SAME_OPTIMUM)
     assert warm.iterations <= 8
@@ -211,7 +211,7 @@ def test_a_warm_start_at_another_c_is_the_cold_answer_there() -> None:
     solver = GaitSolver(problem("reference-optimum"))
     (start,) = random_gaits(solver, 1, seed=0)
     near = solver.solve(start, 1.0)
-    warm, cold = solver.solve(near.outcome.point, 1.1, carried=near.carried), solver.solve(near.q, 1.1)
+    warm, cold = solver.solve(near.outcome.point, 1.1, Run(carried=near.carried)), solver.solve(near.q, 1.1)
     assert warm.outcome.status.ok
     assert warm.outcome.objective == pytest.approx(cold.outcome.objective, abs=SAME_OPTIMUM)
     assert warm.outcome.residuals.largest <= KKT
@@ -264,7 +264,7 @@ def test_the_stop_flag_keeps_the_last_iterate() -> None:
         seen.append(objective)
         flag.stopped = len(seen) >= 5
 
-    answer = solver.solve(start, 0.0, flag=flag, watch=watch)
+    answer = solver.solve(start, 0.0, Run(flag=flag, watch=watch))
     assert answer.outcome.status is Status.STOPPED
     assert answer.iterations <= 6
     assert np.isfinite(answer.outcome.point.x).all()
@@ -280,7 +280,7 @@ def test_an_exception_in_a_progress_callback_is_raised_and_not_swallowed() -> No
         raise KeyError("mine")
 
     with pytest.raises(KeyError, match="mine"):
-        solver.solve(start, 0.0, watch=watch)
+        solver.solve(start, 0.0, Run(watch=watch))
 
 
 def test_a_raised_flag_ends_a_multi_start_with_what_there_is() -> None:

@@ -51,8 +51,8 @@ def direct(model: Model, c: float, phases: Floats) -> Direct:
     angles = functions.gait_joint_angles(structure, EllipseGait().of(len(structure.joints), STEPS))
     rows = [functions.shape(structure)(angles(q, t / STEPS, parameters), parameters)[1] for t in range(STEPS + 1)]
     before, after, pose = ca.SX.sym("before", 4, m), ca.SX.sym("after", 4, m), ca.SX.sym("pose", 3)
-    energy = functions.step_energy(structure)(before, after, pose, parameters)
-    step = ca.Function("step", [before, after, pose], [energy, ca.gradient(energy, pose)])
+    value = functions.step_energy(structure)(before, after, pose, parameters)
+    step = ca.Function("step", [before, after, pose], [value, ca.gradient(value, pose)])
     total, residuals = ca.SX(0), []
     for t in range(STEPS):
         relative = functions.relative_pose()(poses[:, t], poses[:, t + 1])

@@ -5,16 +5,24 @@ from __future__ import annotations
 import os
 import signal
 import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
 
 from serpenoid.errors import InputError
-from serpenoid.parallel import Workers, in_order, in_processes, limited, results
+from serpenoid.parallel import Workers, in_processes, limited, results
 
 pytest.importorskip("distributed", reason="needs the extra `cluster`")
+T = TypeVar("T")
 ANYWHERE = [Workers(), Workers(jobs=2), Workers(cluster="local:2")]
+
+
+def in_order(function: Callable[..., T], tasks: Sequence[tuple[Any, ...]], workers: Workers) -> list[T]:
+    """All results, in the order of their tasks."""
+    return [result for _, result in sorted(results(function, tasks, workers), key=lambda pair: pair[0])]
 
 
 def chaos(seed: int) -> list[float]:

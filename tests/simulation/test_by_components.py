@@ -19,7 +19,7 @@ from serpenoid.mechanics import functions
 from serpenoid.medium import Medium
 from serpenoid.model import Model
 from serpenoid.simulation import simulate_joint_angles
-from serpenoid.simulation.balance import solve_balance, solve_near
+from serpenoid.simulation.balance import Placed, solve_balance, solve_near
 from serpenoid.simulation.sensitivity import step_sensitivities
 from serpenoid.simulation.steps import elements_of_vertices
 from specimens import random_table, reference, serpenoid_table
@@ -135,9 +135,9 @@ def test_a_step_of_effects_on_dry_friction_turns_no_half_circle() -> None:
     elements = elements_of_vertices(model, motion.vertices)
     spans, starts = np.column_stack([times[:-1], times[1:]]), np.zeros((12, 3))
     astray = np.tile([0.0, 0.0, 3.0], (12, 1))
-    given = elements[:, :-m], elements[:, m:], spans, starts
-    plain = solve_balance(model, *given, np.zeros((12, 3)))
-    assert not solve_near(model, *given, astray).sound.any()  # wherever they lead
+    given = Placed(elements[:, :-m], elements[:, m:], spans, starts)
+    plain = solve_balance(model, given, np.zeros((12, 3)))
+    assert not solve_near(model, given, astray).sound.any()  # wherever they lead
     np.testing.assert_allclose(np.abs(plain.relative[:, 2]).max(), 0, atol=0.35)
 
 

@@ -13,7 +13,7 @@ from serpenoid.mechanics.substitution import banded, substituted
 from serpenoid.media import LAWS
 from serpenoid.model import Model
 from serpenoid.simulation import balance, sensitivity
-from serpenoid.simulation.balance import solve_balance, solve_near
+from serpenoid.simulation.balance import Placed, solve_balance, solve_near
 from serpenoid.simulation.chain import Chain, solve_chain, solve_chains
 from serpenoid.simulation.inertia import carried, coefficients, matrix
 from serpenoid.simulation.law import MediumNumbers
@@ -34,7 +34,7 @@ def test_the_step_by_moments_is_the_root_of_the_forces_alone_and_in_a_chain(mode
     before, after, rest = elements[:, :-m], elements[:, m:], np.zeros((20, 3))
     by_moments = solve_steps(model, before, after)
     spans = np.column_stack([times[:-1], times[1:]])
-    alone = solve_balance(model, before, after, spans, rest, rest)
+    alone = solve_balance(model, Placed(before, after, spans, rest), rest)
     chained = solve_chain(model, before, after, times, np.array([0.3, -0.2, 1.0]), rest)
     for found in (alone, chained):
         assert found.sound.all()
@@ -61,10 +61,11 @@ def test_lanes_that_are_refilled_find_the_roots_of_steps_side_by_side(law: str) 
     starts, near = rng.normal(size=(150, 3)), 0.1 * rng.normal(size=(150, 3))
     spans = np.column_stack([times[:-1], times[1:]])
     coast = balance.Coast(rng.uniform(size=150), 1e-3 * rng.normal(size=(150, 3)))
-    wide = solve_near(model, before, after, spans, starts, near, coast)
+    steps = Placed(before, after, spans, starts, coast)
+    wide = solve_near(model, steps, near)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(balance, "roots", lambda *_: None)
-        plain = solve_near(model, before, after, spans, starts, near, coast)
+        plain = solve_near(model, steps, near)
     assert np.array_equal(wide.sound, plain.sound)
     assert 30 < wide.sound.sum() < 150
     assert not wide.sound[70]

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
+from serpenoid.body import Floats
 from serpenoid.cli.main import main
 from serpenoid.errors import InputError
 from serpenoid.optimise.chain_store import ChainStore
+from serpenoid.optimise.ipopt import Point
 from serpenoid.optimise.refine import REFINED
 from serpenoid.optimise.solve import solve
-from serpenoid.optimise.solver import Answer, GaitSolver
+from serpenoid.optimise.solver import Answer, GaitSolver, Run
 from serpenoid.performance import pareto_front
 from serpenoid.studies.beside import Beside, beside_of
 from serpenoid.studies.sweep import Sweep, sweep
@@ -96,10 +97,11 @@ def test_a_stored_point_that_was_cut_short_is_solved_anew(tmp_path: Path) -> Non
 def test_a_point_that_ctrl_c_comes_amid_is_not_reached_and_none_failed(monkeypatch: pytest.MonkeyPatch) -> None:
     solve_point, solved = GaitSolver.solve, []
 
-    def interrupted(self: GaitSolver, *args: Any, **options: Any) -> Answer:
+    def interrupted(self: GaitSolver, start: Floats | Point, c: float, run: Run) -> Answer:
         solved.append(1)
-        options["flag"].stopped = len(solved) > 2  # amid the third: IPOPT ends at its next iteration
-        return solve_point(self, *args, **options)
+        assert run.flag is not None
+        run.flag.stopped = len(solved) > 2  # amid the third: IPOPT ends at its next iteration
+        return solve_point(self, start, c, run)
 
     monkeypatch.setattr(GaitSolver, "solve", interrupted)
     result = sweep(problem("reference-optimum"), VALUES, starts=1, seed=0)

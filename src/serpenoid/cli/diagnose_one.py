@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,11 +14,10 @@ from serpenoid.cli.pictures import Pictures, prepare
 from serpenoid.cli.work import SERVOS, Work
 
 if TYPE_CHECKING:
+    from serpenoid.diagnose.campaign import Listener
     from serpenoid.diagnose.diagnose import Diagnosis
     from serpenoid.diagnose.inference.search.select import Selection
     from serpenoid.diagnose.stages.baseline import Baseline
-    from serpenoid.diagnose.stages.ladder import Climbed
-    from serpenoid.diagnose.stages.motion.choose_motion import Searched
     from serpenoid.measure.campaign import CampaignFile
     from serpenoid.measure.consistency.claims import Believed, Reader
     from serpenoid.parallel import Beside
@@ -64,9 +64,11 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Read]) 
     with options.progress_bar(args, "diagnosing", 1.0, work.left) as advance, Beside(prepare) as artist:
         work.tell = advance
         pictures = Pictures(folder, None if args.no_figures else artist)
+        listener = _listener(args, work, artist)
         earlier, before = None, None
         if args.reference is not None:
-            file, then = _diagnosed(args, args.reference, None, work, artist, read_believed, apart=False)
+            file, then = _diagnosed(args, args.reference, None, listener, read_believed, apart=False)
+            work.campaign_done()
             earlier, before = reference_of(then), summary(then) | {"campaign": file.name}
 
         def read_already(file: CampaignFile, place: Path) -> Believed:
@@ -77,7 +79,9 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Read]) 
             sign(args)
             pictures.of_motion(found)
 
-        file, found = _diagnosed(args, campaign, earlier, work, artist, read_already, searched, pictures.of_shapes)
+        listener = replace(listener, searched=searched, climbed=pictures.of_shapes)
+        file, found = _diagnosed(args, campaign, earlier, listener, read_already)
+        work.campaign_done()
         pictures.of_rest(found)
         record = write(folder, file, found, before)
         if not args.no_figures:
@@ -89,19 +93,9 @@ def _judged(args: argparse.Namespace, campaign: str, files: Callable[[], Read]) 
     return 0
 
 
-def _diagnosed(
-    args: argparse.Namespace,
-    campaign: str,
-    earlier: Baseline | None,
-    work: Work,
-    artist: Beside,
-    files: Reader,
-    searched: Searched = lambda found: None,
-    climbed: Climbed = lambda steps: None,
-    apart: bool = True,
-) -> tuple[CampaignFile, Diagnosis]:
-    from serpenoid.diagnose.campaign import diagnose_campaign
-    from serpenoid.effects.catalogue import find
+def _listener(args: argparse.Namespace, work: Work, artist: Beside) -> Listener:
+    """What is shown while a campaign is diagnosed."""
+    from serpenoid.diagnose.campaign import Listener
 
     def notice(text: str) -> None:
         if not args.quiet:
@@ -112,13 +106,22 @@ def _diagnosed(
             artist.begin()  # not before: reading, and judging servos, keep all cores busy
         work.begin(stage)
 
+    return Listener(lambda done, _, name: work.read(done, name), begin, notice)
+
+
+def _diagnosed(
+    args: argparse.Namespace,
+    campaign: str,
+    earlier: Baseline | None,
+    listener: Listener,
+    files: Reader,
+    apart: bool = True,
+) -> tuple[CampaignFile, Diagnosis]:
+    from serpenoid.diagnose.campaign import diagnose_campaign
+    from serpenoid.effects.catalogue import find
+
     without = frozenset(find(name).name for name in args.without)
-    found = diagnose_campaign(
-        campaign, args.model, earlier, without, lambda done, _, name: work.read(done, name), begin, notice, files,
-        searched, climbed, apart,
-    )  # fmt: skip
-    work.campaign_done()
-    return found
+    return diagnose_campaign(campaign, args.model, earlier, without, files, listener, apart)
 
 
 def _files(campaign: str) -> Read:

@@ -90,11 +90,11 @@ def made_up(campaign: str | Path) -> list[str]:
 def shared_notes(trials: Sequence[Trial]) -> dict[str, str]:
     """What is noted of several trials, each with their names: said once, before all of them."""
     from serpenoid.measure.usage import trials_of
-    from serpenoid.wording import some_of
+    from serpenoid.wording import some_trials
 
     every = [trial.name for trial in trials]
     of = trials_of((trial.name, trial.notes) for trial in trials)
-    return {note: some_of(who, every, "trial") for note, who in of.items() if len(who) > 1}
+    return {note: some_trials(who, every) for note, who in of.items() if len(who) > 1}
 
 
 def trial_lines(trial: Trial, said: Container[str] = ()) -> list[str]:

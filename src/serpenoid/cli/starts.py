@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from serpenoid.wording import FOUND_ONCE, listed
+from serpenoid.wording import FOUND_ONCE, listed, some_and_more
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -102,7 +102,6 @@ def bound_lines(at_bounds: Sequence[str]) -> list[str]:
     """Which parameters of a gait ended where the optimiser may not look farther."""
     if not at_bounds:
         return []
-    more = f" and {len(at_bounds) - MOST_BOUNDS} more" * (len(at_bounds) > MOST_BOUNDS)
-    listed = ", ".join(at_bounds[:MOST_BOUNDS])
+    shown = some_and_more(at_bounds, MOST_BOUNDS)
     sections = sorted({"[lift]" if name.startswith("lift.") else "[task.bounds]" for name in at_bounds}, reverse=True)
-    return [f"at its bounds     {listed}{more}: {' and '.join(sections)} may be widened, if the body can do more"]
+    return [f"at its bounds     {shown}: {' and '.join(sections)} may be widened, if the body can do more"]

@@ -37,6 +37,8 @@ from serpenoid.model import Model
 
 LOWEST, HIGHEST = 1e-3, 1.0
 GIVEN = Others()
+LAGS = 40  # of the autocorrelation
+POINTS = 7  # of the profile, to either side
 MEMORY = 0.1  # of a segment: the lags over which what is left may be correlated
 
 
@@ -198,25 +200,23 @@ def robust_sd(solution: Solution) -> Floats:
     return np.asarray(np.sqrt(np.maximum(np.diag(solution.covariance @ meat @ solution.covariance), 0.0)))
 
 
-def autocorrelation(left: tuple[Whitened, ...], lags: int = 40) -> Floats:
+def autocorrelation(left: tuple[Whitened, ...]) -> Floats:
     """Of the white defects, over components and segments; within +-2/sqrt(3 S) of zero if the model is right."""
-    total, power = np.zeros(lags), 0.0
+    total, power = np.zeros(LAGS), 0.0
     for w in left:
         power += float((w.defect**2).sum())
-        for lag in range(1, min(lags, len(w.defect) - 1) + 1):
+        for lag in range(1, min(LAGS, len(w.defect) - 1) + 1):
             total[lag - 1] += float((w.defect[lag:] * w.defect[:-lag]).sum())
     return total / power
 
 
-def profile_likelihood(
-    model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], best: Estimate, points: int = 7
-) -> Floats:
+def profile_likelihood(model: Model, segments: tuple[Segment, ...], names: tuple[str, ...], best: Estimate) -> Floats:
     """Chi2 above its minimum along the first number, the others fitted again, within 3 standard errors and its bounds:
-    (K, 2), so many points to either side. The standard error is the interval's."""
+    (K, 2), POINTS to either side. The standard error is the interval's."""
     value, sd = float(best.values[0]), float(best.sd[0])
     ends = within(names, model, best.values, 3 * best.sd)[0]
     lost = chi2_lost(model, segments, best.solution, 0, sd)
-    grid = np.unique([np.linspace(value, end, points) for end in ends])
+    grid = np.unique([np.linspace(value, end, POINTS) for end in ends])
     return np.array([(at, lost(at)) for at in grid.tolist()])
 
 

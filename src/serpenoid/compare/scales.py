@@ -21,7 +21,7 @@ from serpenoid.model import Model
 Films = tuple[tuple[Segment, ...], ...]  # of each whose scale is not known, a standard error larger
 
 
-def larger_films(campaign: Campaign, name: str | None = None) -> Films:
+def larger_films(campaign: Campaign, name: str | None) -> Films:
     """Of a trial by name, or of all that can be fitted."""
     named = {trial.name: trial for trial in campaign.trials}
     larger = [made for made in with_other_scales(campaign) if name in (None, made.name)]

@@ -88,7 +88,7 @@ class Comparison:
         return np.asarray(np.sqrt(((both[0] - both[1]) ** 2).sum(axis=2).mean(axis=0)))
 
 
-def compare_passage(trial: Trial, passage: Passage, model: Model, seed: int = 0) -> Comparison | None:
+def compare_passage(trial: Trial, passage: Passage, model: Model, seed: int) -> Comparison | None:
     """Simulate one passage three ways; None where no piece of it is whole. Kept, as it takes long."""
     return remember(lambda: _compare(trial, passage, model, seed), "passage", trial, passage, model, seed)
 
@@ -165,9 +165,7 @@ def simulate_path(model: Model, joint_angles: Floats, weights: Floats, start: Fl
     return Path(moved, group.place(moved, shapes), found.step_energy)
 
 
-def resimulation_error(
-    model: Model, motion: Motion, rows: slice, weights: Floats, seed: int, draws: int = DRAWS
-) -> tuple[float, float]:
+def resimulation_error(model: Model, motion: Motion, rows: slice, weights: Floats, seed: int) -> tuple[float, float]:
     """SD and bias of the resimulated displacement: the smooth shapes with noise drawn anew, smoothed as the data were.
 
     The bias is what noise that smoothing leaves, and motion that it takes, add on average: displacement goes with the
@@ -184,7 +182,7 @@ def resimulation_error(
     root = np.linalg.cholesky(covariance + 1e-18 * np.eye(covariance.shape[1]))
     base = motion.smooth_angles[rows]
     found = []
-    for _ in range(draws):
+    for _ in range(DRAWS):
         noise = np.einsum("rab,rb->ra", root, rng.normal(size=base.shape)) * usable[:, None]
         found.append(simulate_path(model, smoothed(base + noise), weights, np.zeros(3)).displacement)
     true = simulate_path(model, base, weights, np.zeros(3)).displacement

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from serpenoid.diagnose.changed_trials import changed_trials
@@ -30,7 +30,24 @@ from serpenoid.measure.campaign import CampaignFile, load_campaign_file
 from serpenoid.measure.consistency.claims import Reader, read_believed
 from serpenoid.measure.load import load_campaign
 
-Reading = Callable[[int, int, str], None]  # trials read, of how many, name of the next
+
+@dataclass(frozen=True)
+class Listener:
+    """Who hears how a diagnosis goes on; by default nobody.
+
+    reading: trials read, of how many, name of the next. say: the stage that begins. notice: before the work begins,
+    what of a long recording is left out. searched: what the search for effects of the motion found, as soon as it has
+    ended. climbed: the ladder's steps from command to markers.
+    """
+
+    reading: Callable[[int, int, str], None] = lambda done, total, name: None
+    say: Callable[[str], None] = lambda stage: None
+    notice: Callable[[str], None] = lambda text: None
+    searched: Searched = lambda found: None
+    climbed: Climbed = lambda steps: None
+
+
+NOBODY = Listener()
 
 
 def diagnose_campaign(
@@ -38,20 +55,14 @@ def diagnose_campaign(
     model: str | Path | None = None,
     earlier: Baseline | None = None,
     without: frozenset[str] = frozenset(),
-    reading: Reading = lambda done, total, name: None,
-    say: Callable[[str], None] = lambda stage: None,
-    notice: Callable[[str], None] = lambda text: None,
     files: Reader = read_believed,
-    searched: Searched = lambda found: None,
-    climbed: Climbed = lambda steps: None,
+    listener: Listener = NOBODY,
     apart: bool = True,
 ) -> tuple[CampaignFile, Diagnosis]:
     """One campaign, beside what was so earlier or beside the model alone; the motion alone where points are all.
 
-    without: names of effects that are not looked for. notice: hears, before the work begins, what of a long recording
-    is left out. files: reads what a robot's campaign names and checks it, or has done so. searched: hears what the
-    search for effects of the motion found, as soon as it has ended; climbed: the ladder's steps from command to
-    markers. apart: whether trials in which something acts alone are diagnosed by themselves, too; of a reference nobody
+    without: names of effects that are not looked for. files: reads what a robot's campaign names and checks it, or has
+    done so. apart: whether trials in which something acts alone are diagnosed by themselves, too; of a reference nobody
     asks.
     """
     file, _ = load_campaign_file(campaign)
@@ -59,29 +70,31 @@ def diagnose_campaign(
         if earlier is not None:
             raise InputError(f"{campaign}: has tracked points alone, so no other campaign repeats its shapes.")
         if unlike := unlike_kind(model, file):
-            notice(unlike)
-        read = load_campaign(campaign, reading)
+            listener.notice(unlike)
+        read = load_campaign(campaign, listener.reading)
         tracked = tracked_recordings(read)
         for recording in tracked:
             if recording.shortened:
-                notice(f"{recording.name}: {recording.shortened}")
+                listener.notice(f"{recording.name}: {recording.shortened}")
         begun = baseline(model, file, tracked[0].body)
-        known = taken_for_granted(begun, law_is_open(model, file), without, notice)
-        found = diagnose_tracked(tracked, known, say, searched)
+        known = taken_for_granted(begun, law_is_open(model, file), without, listener.notice)
+        found = diagnose_tracked(tracked, known, listener.say, listener.searched)
         return file, replace(found, drag_ratio=drag_ratio_of(found, read, begun.medium))
     check_body(model, file)
     if unlike := unlike_body(model, file):
-        notice(unlike)
+        listener.notice(unlike)
     middles = at_middles(model, file)
     body = file.body.with_middles() if middles else file.body
     if middles and file.body.sparse_edges:
-        notice(file.body.sparse_edges)
-    known = earlier or taken_for_granted(baseline(model, file, body), law_is_open(model, file), without, notice)
+        listener.notice(file.body.sparse_edges)
+    known = earlier or taken_for_granted(
+        baseline(model, file, body), law_is_open(model, file), without, listener.notice
+    )
     known.check(body)
-    _, recordings = read_recordings(campaign, reading, files)
+    _, recordings = read_recordings(campaign, listener.reading, files)
     recordings = tuple(r.with_middles() for r in recordings) if middles else recordings
     try:
-        found = diagnose(recordings, known, say, searched, climbed)
-        return file, replace(found, changed=changed_trials(recordings, known, found, say)) if apart else found
+        found = diagnose(recordings, known, listener.say, listener.searched, listener.climbed)
+        return file, replace(found, changed=changed_trials(recordings, known, found, listener.say)) if apart else found
     except NoPath as none:
         raise InputError(rootless(str(model or campaign), none, known.model.effects)) from none

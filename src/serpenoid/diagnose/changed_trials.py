@@ -89,8 +89,8 @@ def mending_growth(stage: Stage, most: float) -> Stage:
 def _as_it_was(
     changed: list[Recording], others: list[Recording], known: Baseline, say: Callable[[str], None]
 ) -> tuple[Diagnosis, list[Recording], list[Recording]]:
-    """The diagnosis of the side in which nothing acts, the other side, and itself. Which that is a first guess may have
-    wrong: what acts in `others` is there, and nothing in the ones that changed."""
+    """The diagnosis of the side in which nothing acts, the other side, and itself. A first guess may have exchanged the
+    two: then something is named in `others`, and nothing in the ones that changed."""
     before = diagnose(others, known, say)
     if before.named and not (after := diagnose(changed, known, say)).named:
         return after, others, changed

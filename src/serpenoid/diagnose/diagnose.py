@@ -200,7 +200,7 @@ def diagnose_tracked(
     recordings: Sequence[TrackedRecording],
     baseline: Baseline,
     say: Callable[[str], None],
-    searched: Searched = lambda found: None,
+    searched: Searched,
 ) -> Diagnosis:
     """The same where there are tracked points alone: the stage of motion, and why the others are skipped."""
     actuation = Stage("actuation", left=np.nan, skipped="no servo log and no joint table: nothing was commanded")

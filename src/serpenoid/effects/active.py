@@ -8,7 +8,6 @@ seizure = 0.5
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from typing import Any, Self
 
@@ -20,6 +19,7 @@ from serpenoid.effects.catalogue import find, places
 from serpenoid.effects.view import View
 from serpenoid.errors import InputError
 from serpenoid.files.schema import Record
+from serpenoid.wording import meant_or_all
 
 
 class ActiveEffect(Record):
@@ -154,9 +154,7 @@ def _fault(effect: Effect, place: int | None, values: dict[str, float]) -> str |
     known = {p.name: p for p in effect.parameters}
     for name in values:
         if name not in known:
-            close = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean `{close[0]}`?" if close else f"it has: {', '.join(known)}"
-            return f"`{effect.name}` has no parameter `{name}`; {hint}"
+            return f"`{effect.name}` has no parameter `{name}`; {meant_or_all(name, known, 'it has')}"
     missing = [name for name in known if name not in values]
     if missing:
         return f"`{effect.name}` needs `{missing[0]}` [{known[missing[0]].units}] ({known[missing[0]].meaning})"

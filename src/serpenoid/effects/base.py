@@ -18,7 +18,6 @@ import numpy as np
 from serpenoid.body import Body, Floats, Part
 from serpenoid.effects.element import Drag, Element
 from serpenoid.effects.scan import Scan
-from serpenoid.effects.units import times_speed
 from serpenoid.effects.view import View
 from serpenoid.errors import InputError
 from serpenoid.media import LAWS, Law
@@ -73,7 +72,7 @@ class Parameter:
 
     def unit_in(self, law: Law) -> str:
         """The unit in a medium of this law: a force over the drag level is a speed to the power of (degree - 1)."""
-        return times_speed(self.unit, law.degree - 2) if self.over_drag else self.unit
+        return _times_speed(self.unit, law.degree - 2) if self.over_drag else self.unit
 
     def coordinate(self, value: float) -> float:
         """The number that the symbolic contribution takes."""
@@ -102,6 +101,16 @@ class Parameter:
     def resting(self) -> float:
         """Coordinate where the effect is absent."""
         return self.coordinate(self.typical if self.neutral is None else self.neutral)
+
+
+def _times_speed(unit: str, power: int) -> str:
+    """The unit (`m/s`, `s2/m`, `1`; a digit is a power) of a quantity in `unit` times a speed to this power."""
+    powers = {"m": power, "s": -power}
+    for i, part in enumerate(unit.split("/")):
+        if part != "1":
+            powers[part[0]] += int(part[1:] or 1) * (1 if i == 0 else -1)
+    over, under = ([f"{u}{abs(n) if abs(n) > 1 else ''}" for u, n in powers.items() if n * s > 0] for s in (1, -1))
+    return "/".join(["".join(over) or "1", *under])
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import pkgutil
 from functools import cache
@@ -10,6 +9,7 @@ from functools import cache
 from serpenoid.body import Body
 from serpenoid.effects.base import ActuationEffect, Effect, Marks, MediumEffect
 from serpenoid.errors import InputError
+from serpenoid.wording import meant_or_all
 
 SITES = ("actuation", "medium", "observation")
 
@@ -38,9 +38,7 @@ def find(name: str) -> Effect:
     known = catalogue()
     if name in known:
         return known[name]
-    close = difflib.get_close_matches(name, known, n=1)
-    hint = f"did you mean `{close[0]}`?" if close else f"known: {', '.join(known)}"
-    raise InputError(f"no effect is called `{name}`; {hint}")
+    raise InputError(f"no effect is called `{name}`; {meant_or_all(name, known, 'known')}")
 
 
 def places(effect: Effect, body: Body) -> list[int | None]:

@@ -21,6 +21,14 @@ def _numbers(value: Any) -> Iterator[float]:
         yield value
 
 
+def refuse_unordered(record: Record, *names: str) -> None:
+    """Raise ValueError where one of a record's pairs is not [lower, upper]; those that are None are passed over."""
+    for name in names:
+        pair = getattr(record, name)
+        if pair is not None and pair[0] > pair[1]:
+            raise ValueError(f"`{name}` needs [lower, upper] with lower <= upper")
+
+
 class GaitNumbers(Record):
     """Numbers that joint angles are made of: small enough for a sine of them to have digits."""
 
@@ -50,6 +58,5 @@ class AngleBounds(GaitBounds):
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
-        if self.angle[0] > self.angle[1]:
-            raise ValueError("`angle` needs [lower, upper] with lower <= upper")
+        refuse_unordered(self, "angle")
         return self

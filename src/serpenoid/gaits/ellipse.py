@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
+from serpenoid.gaits.bounds import refuse_unordered
 from serpenoid.gaits.family import Coordinates, Gait, GaitBounds, GaitFamily
 
 Range = tuple[float, float]
@@ -32,10 +33,7 @@ class EllipseBounds(GaitBounds):
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
-        for name in NAMES:
-            pair = getattr(self, name)
-            if pair is not None and pair[0] > pair[1]:
-                raise ValueError(f"`{name}` needs [lower, upper] with lower <= upper")
+        refuse_unordered(self, *NAMES)
         if self.sigma[0] < -1 or self.sigma[1] > 1:
             raise ValueError("`sigma` must lie in [-1, 1]")
         if self.a[0] < 0 or self.xi[0] <= 0:

@@ -216,3 +216,11 @@ class AngleFamily(GaitFamily):
     @property
     def widths(self) -> Floats:
         return np.full(self.size, 0.02)
+
+    def scaled(self, p: Floats, factor: float) -> Floats:
+        return p * factor
+
+
+def as_rows(values: np.ndarray) -> tuple[tuple[float, ...], ...]:
+    """An array (k, l) as files and records have it."""
+    return tuple(tuple(row) for row in values.tolist())

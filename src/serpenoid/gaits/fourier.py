@@ -15,8 +15,9 @@ import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
 from serpenoid.body import Floats
+from serpenoid.gaits.bounds import refuse_unordered
 from serpenoid.gaits.ellipse import EllipseGait
-from serpenoid.gaits.family import Coordinates, Gait, GaitBounds, GaitFamily
+from serpenoid.gaits.family import Coordinates, Gait, GaitBounds, GaitFamily, as_rows
 from serpenoid.wording import counted
 
 Range = tuple[float, float]
@@ -49,9 +50,7 @@ class FourierBounds(GaitBounds):
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
-        for name in ("mean", "w", "xi"):
-            if getattr(self, name)[0] > getattr(self, name)[1]:
-                raise ValueError(f"`{name}` needs [lower, upper] with lower <= upper")
+        refuse_unordered(self, "mean", "w", "xi")
         if self.xi[0] <= 0:
             raise ValueError("`xi` must be positive")
         return self
@@ -82,7 +81,7 @@ class FourierGait(Gait):
         w[:2, 0] = gait.x_c, gait.y_c
         w[:2, first], w[:2, first + 1] = gait.a * np.array([c, s]), gait.a * gait.sigma * np.array([-s, c])
         xi = tuple(gait.xi * (1 + 0.5 * mode) for mode in range(modes))
-        return cls(orders=orders, xi=xi, w=tuple(tuple(row) for row in w.tolist()))
+        return cls(orders=orders, xi=xi, w=as_rows(w))
 
     def of(self, joints: int, rows: int, bounds: GaitBounds | None = None, closed: bool = True) -> FourierFamily:
         """Series of the same orders and number of modes."""
@@ -189,4 +188,4 @@ class FourierFamily(GaitFamily):
     def gait(self, p: Floats) -> FourierGait:
         w = p[self.modes :].reshape(2 * self.modes, -1)
         xi = tuple(float(x) for x in p[: self.modes])
-        return FourierGait(orders=self._gait.orders, xi=xi, w=tuple(tuple(row) for row in w.tolist()))
+        return FourierGait(orders=self._gait.orders, xi=xi, w=as_rows(w))

@@ -9,8 +9,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
-from serpenoid.gaits.bounds import AngleBounds, GaitBounds
-from serpenoid.gaits.family import AngleFamily, Gait
+from serpenoid.gaits.bounds import AngleBounds, GaitBounds, refuse_unordered
+from serpenoid.gaits.family import AngleFamily, Gait, as_rows
 from serpenoid.gaits.fourier import Orders, aliased, waves
 from serpenoid.wording import counted
 
@@ -33,8 +33,7 @@ class JointSeriesBounds(AngleBounds):
 
     @model_validator(mode="after")
     def _ordered_mean(self) -> Self:
-        if self.mean is not None and self.mean[0] > self.mean[1]:
-            raise ValueError("`mean` needs [lower, upper] with lower <= upper")
+        refuse_unordered(self, "mean")
         return self
 
 
@@ -69,7 +68,7 @@ class JointSeriesGait(Gait):
         """The series nearest to a joint table (T, m) in mean square."""
         basis = waves(np.arange(len(table)) / len(table), orders)
         rows = np.linalg.lstsq(basis, table, rcond=None)[0].T
-        return cls(orders=orders, angles=tuple(tuple(row) for row in rows.tolist()))
+        return cls(orders=orders, angles=as_rows(rows))
 
     @property
     def words(self) -> str:
@@ -119,14 +118,10 @@ class JointSeriesFamily(AngleFamily):
         """Not where only the means are there."""
         return bool(p.reshape(self.joints, -1)[:, 1:].any())
 
-    def scaled(self, p: Floats, factor: float) -> Floats:
-        return p * factor
-
     @property
     def steady(self) -> Floats:
         """The mean of every joint."""
         return np.eye(self.size)[:: 1 + 2 * len(self.orders)]
 
     def gait(self, p: Floats) -> JointSeriesGait:
-        rows = p.reshape(self.joints, -1).tolist()
-        return JointSeriesGait(orders=self.orders, angles=tuple(tuple(row) for row in rows))
+        return JointSeriesGait(orders=self.orders, angles=as_rows(p.reshape(self.joints, -1)))

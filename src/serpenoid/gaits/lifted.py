@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
-from serpenoid.gaits.bounds import GaitNumbers
+from serpenoid.gaits.bounds import GaitNumbers, refuse_unordered
 from serpenoid.gaits.ellipse import EllipseBounds, EllipseGait
 from serpenoid.gaits.family import Coordinates, Gait, GaitBounds, GaitFamily
 from serpenoid.gaits.fourier import FourierGait
@@ -40,9 +40,7 @@ class Lift(GaitNumbers):
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
-        for name in ("phase", "bias"):
-            if getattr(self, name)[0] > getattr(self, name)[1]:
-                raise ValueError(f"`{name}` needs [lower, upper] with lower <= upper")
+        refuse_unordered(self, "phase", "bias")
         return self
 
     def contact(self, crest: Floats) -> Floats:

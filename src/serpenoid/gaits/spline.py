@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 
 from serpenoid.body import Floats
 from serpenoid.gaits.bounds import AngleBounds, GaitBounds
-from serpenoid.gaits.family import AngleFamily, Gait
+from serpenoid.gaits.family import AngleFamily, Gait, as_rows
 from serpenoid.wording import counted
 
 
@@ -60,7 +60,7 @@ class SplineGait(Gait):
         basis = np.zeros((len(table), points))
         np.add.at(basis, (np.arange(len(table))[:, None], where), family.data)
         rows = np.linalg.lstsq(basis, table, rcond=None)[0]
-        return cls(points=points, angles=tuple(tuple(row) for row in rows.tolist()))
+        return cls(points=points, angles=as_rows(rows))
 
     @property
     def words(self) -> str:
@@ -118,14 +118,10 @@ class SplineFamily(AngleFamily):
         """Not where all control points are the same."""
         return bool(np.ptp(p.reshape(self.points, self.joints), axis=0).any())
 
-    def scaled(self, p: Floats, factor: float) -> Floats:
-        return p * factor
-
     @property
     def steady(self) -> Floats:
         """All control points of a joint."""
         return np.tile(np.eye(self.joints), self.points)
 
     def gait(self, p: Floats) -> SplineGait:
-        rows = p.reshape(self.points, self.joints).tolist()
-        return SplineGait(points=self.points, angles=tuple(tuple(row) for row in rows))
+        return SplineGait(points=self.points, angles=as_rows(p.reshape(self.points, self.joints)))

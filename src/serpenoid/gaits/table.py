@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.gaits.bounds import AngleBounds, GaitBounds
-from serpenoid.gaits.family import AngleFamily, Gait
+from serpenoid.gaits.family import AngleFamily, Gait, as_rows
 
 HARMONICS = 3  # of a random start: a smooth table
 SPREAD = 0.3  # rad: standard deviation of a random start's first harmonic
@@ -45,7 +45,7 @@ class TableGait(Gait):
     @classmethod
     def from_angles(cls, angles: Floats) -> TableGait:
         """The gait of a joint table (R, m) [rad]."""
-        return cls(angles=tuple(tuple(row) for row in np.asarray(angles).tolist()))
+        return cls(angles=as_rows(np.asarray(angles)))
 
     def misstated(self, joints: int, rows: int) -> str | None:
         """Rows of other joints, or more or fewer of them; they are not resampled: which motion lies between them is for
@@ -136,9 +136,6 @@ class TableFamily(AngleFamily):
         if not self.closed or not reach or np.abs(steps).max() <= np.ptp(table, axis=0).max() / 2:
             return p
         return np.mean([np.roll(table, k, axis=0) for k in range(-reach, reach + 1)], axis=0).ravel()
-
-    def scaled(self, p: Floats, factor: float) -> Floats:
-        return p * factor
 
     @property
     def steady(self) -> Floats:

@@ -20,6 +20,7 @@ CUT_S = 0.1  # in which a record at its end moves, or rests, unless its noise as
 LEAST_STRETCHES = 8  # of a record: fewer do not tell where it moves
 EARLY = 0.05  # of logs end early: as rare as what else is wrong (`consistency.rivals.FAULTY`)
 LEAST_COMMON = 4  # rows of two records: fewer are no overlap
+ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
 HOLE = 3.0  # typical frames: a longer gap is not bridged
 
 
@@ -177,8 +178,7 @@ def is_cut(reference_s: Floats, reference: Floats, other_s: Floats, other: Float
 
 def _moving(time_s: Floats, values: Floats) -> NDArray[np.bool_]:
     """In which stretches a record without noise (R, m), that of servos, moves no less than in the root mean square."""
-    at = np.linspace(time_s[0], time_s[-1], max(int((time_s[-1] - time_s[0]) / CUT_S), 1) + 1)
-    moved = (np.diff(held(time_s, values, at), axis=0) ** 2).sum(axis=1)
+    moved = _squared_steps(held(time_s, values, _stretches(time_s, CUT_S, fewest=1)))
     return np.asarray(moved >= moved.mean())
 
 
@@ -191,13 +191,24 @@ def _quick(time_s: Floats, values: Floats) -> tuple[Floats, NDArray[np.bool_]]:
     """
     covariance, stretch_s = _white(values), CUT_S
     while True:
-        edges = np.linspace(time_s[0], time_s[-1], max(int((time_s[-1] - time_s[0]) / stretch_s), 2) + 1)
+        edges = _stretches(time_s, stretch_s, fewest=2)
         means, frames = _means(time_s, values, edges)
-        moved = (np.diff(means, axis=0) ** 2).sum(axis=1)
+        moved = _squared_steps(means)
         noise = _by_noise(covariance, len(moved)) * (1 / frames[:-1] + 1 / frames[1:])
         if len(frames) < 2 * LEAST_STRETCHES or moved.mean() >= noise.mean():
             return edges[:-2], moved >= moved.mean()
         stretch_s *= 2
+
+
+def _stretches(time_s: Floats, stretch_s: float, fewest: int) -> Floats:
+    """Edges (n + 1,) of n stretches of equal length, about as long as asked for, that make up a record."""
+    span = time_s[-1] - time_s[0]
+    return np.linspace(time_s[0], time_s[-1], max(int(span / stretch_s), fewest) + 1)
+
+
+def _squared_steps(rows: Floats) -> Floats:
+    """Squared distance (R - 1,) from each row of (R, m) to the next."""
+    return np.asarray((np.diff(rows, axis=0) ** 2).sum(axis=1))
 
 
 def _means(time_s: Floats, values: Floats, edges: Floats) -> tuple[Floats, Floats]:

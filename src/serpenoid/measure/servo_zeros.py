@@ -21,7 +21,7 @@ import numpy as np
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.match import PHYSICAL
-from serpenoid.measure.shapes.links import bends, chain_vertices
+from serpenoid.measure.shapes.links import bends, chain_vertices, wrapped
 
 BELIEVED = PHYSICAL.zero_sd
 ROUNDS = 6
@@ -47,8 +47,8 @@ def told_zeros(
 
     for _ in range(ROUNDS):
         at = shown(zero)
-        left = _turned(seen - at)
-        slopes = np.stack([_turned(shown(zero + STEP * unit) - at) / STEP for unit in np.eye(len(zero))], axis=2)
+        left = wrapped(seen - at)  # sides differ by far less than half a turn
+        slopes = np.stack([wrapped(shown(zero + STEP * unit) - at) / STEP for unit in np.eye(len(zero))], axis=2)
         variance = float((left**2).mean()) + lasting(left)
         matrix = np.einsum("fku,fkv->uv", slopes, slopes) / variance + np.eye(len(zero)) / BELIEVED**2
         pull = np.einsum("fku,fk->u", slopes, left) / variance - zero / BELIEVED**2
@@ -61,11 +61,6 @@ def _invariants(points: Floats) -> Floats:
     """Bends [rad] of polygons (F, K, 2) [body lengths], and sides in units of a mean one (F, 2 K - 3)."""
     sides = np.linalg.norm(np.diff(points, axis=1), axis=2)
     return np.concatenate([bends(points), sides * (points.shape[1] - 1)], axis=1)
-
-
-def _turned(difference: Floats) -> Floats:
-    """Differences of bends within half a turn; those of sides are smaller."""
-    return np.asarray(np.mod(difference + np.pi, 2 * np.pi) - np.pi)
 
 
 def lasting(difference: Floats) -> float:

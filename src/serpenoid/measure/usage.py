@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from serpenoid.measure.trial import Motion, Passage, Trial
-from serpenoid.wording import some_of
+from serpenoid.wording import some_trials
 
 SHORTEST = 4  # rows of a piece
 ROUNDED = 1e-9  # of sums of seconds
@@ -60,7 +60,7 @@ def said_once(notes: Iterable[tuple[str, Sequence[str]]]) -> list[str]:
     """Every note of (trial, its notes), with the trials that it is about: `t00, t01: ...`, `all 16 trials: ...`."""
     said = list(notes)
     every = list(dict.fromkeys(trial for trial, _ in said))
-    return [f"{some_of(names, every, 'trial')}: {note}" for note, names in trials_of(said).items()]
+    return [f"{some_trials(names, every)}: {note}" for note, names in trials_of(said).items()]
 
 
 def trials_of(notes: Iterable[tuple[str, Sequence[str]]]) -> dict[str, list[str]]:

@@ -89,11 +89,6 @@ def _note_once() -> None:
         )
 
 
-def cache_folder() -> Path:
-    """Where compiled libraries are kept."""
-    return cache.place()
-
-
 def generate_c(functions: Sequence[ca.Function]) -> str:
     """C source of `functions`, each under its own name."""
     generator = ca.CodeGenerator("functions.c")
@@ -104,7 +99,7 @@ def generate_c(functions: Sequence[ca.Function]) -> str:
 
 def _library(name: str, source: str, command: Sequence[str]) -> Path:
     key = hashlib.sha256("\0".join([source, *command]).encode()).hexdigest()[:24]
-    folder = cache_folder()
+    folder = cache.place()
     folder.mkdir(parents=True, exist_ok=True, mode=0o700)
     refuse_shared(folder)
     library = folder / f"{name}-{key}.so"

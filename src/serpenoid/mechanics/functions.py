@@ -3,9 +3,9 @@
 Legend: N vertices, m joints, M elements. `parameters` = edges (N - 1), weights (N), anisotropy ratio: (2 N, 1).
 Lengths in body lengths, weights summing to one. Poses are relative: body frame of t + 1 in that of t, (x, y, heading).
 
-    joint_angles   (coordinates (3), parameters) -> joint_angles (m)
     gait_joint_angles (gait (k), row data (d), parameters) -> joint_angles (m), for one family of gaits
     lifted_row     (coordinates (5), parameters) -> points (3, N), shares (N), elements (7, M): of a body that is lifted
+    relative_pose  (from (3), to (3)) -> pose (3): the second in the frame of the first
     shape          (joint_angles (m), parameters) -> vertices (2, N), elements (4, M) in the body frame
     shape_elements (vertices (2, N)) -> elements (4, M): positions above unit tangents, in the vertices' frame
     step_energy    (before (4, M), after (4, M), pose (3), parameters) -> energy
@@ -34,16 +34,6 @@ def split_parameters(parameters: ca.SX | ca.MX, structure: Structure) -> tuple:
     """(edges (N - 1), vertex weights (N), anisotropy ratio)."""
     n = structure.vertices
     return parameters[: n - 1], parameters[n - 1 : 2 * n - 1], parameters[2 * n - 1]
-
-
-@lru_cache(maxsize=64)
-def joint_angles(structure: Structure) -> ca.Function:
-    """Serpenoid shape coordinates to joint angles."""
-    coordinates, parameters = ca.SX.sym("coordinates", 3), _parameters(structure)
-    edges, _, _ = split_parameters(parameters, structure)
-    angles = kinematics.serpenoid_joint_angles(coordinates, edges, structure)
-    names = (["coordinates", "parameters"], ["joint_angles"])
-    return ca.Function("joint_angles", [coordinates, parameters], [angles], *names, CSE)
 
 
 @lru_cache(maxsize=64)
@@ -145,12 +135,6 @@ def step(structure: Structure) -> ca.Function:
 
 
 STEP_INPUTS = ["before", "after", "pose", "parameters"]
-
-
-@lru_cache(maxsize=1)
-def reduced_step() -> ca.Function:
-    """(turn, moments) -> translation (2), dE/d turn, its slope, energy; the translation is eliminated."""
-    return planar.step_at()
 
 
 def _parameters(structure: Structure) -> ca.SX:

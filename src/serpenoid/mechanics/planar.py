@@ -17,6 +17,7 @@ dE/dphi = 0 is left, and Newton's method has its slope in closed form:
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import casadi as ca
 
@@ -104,6 +105,7 @@ def _at(phi: ca.SX, k: ca.SX) -> _At:
     return _At(b, e[0] + one + two + ca.dot(linear, b) / 2, slope, bent - relaxed)
 
 
+@lru_cache(maxsize=1)
 def step_at() -> ca.Function:
     """(phi, moments) -> translation (2), dE/dphi, its slope, energy; the translation is eliminated."""
     phi, k = ca.SX.sym("phi"), ca.SX.sym("moments", MOMENTS)

@@ -24,7 +24,7 @@ SLACK = 1e-9  # rounding of what the file says
 
 
 def contradiction(
-    demands: Sequence[Demand], rows: Rows, edges: Floats, others: Sequence[tuple[str, Ask]] = ()
+    demands: Sequence[Demand], rows: Rows, edges: Floats, others: Sequence[tuple[str, Ask]]
 ) -> str | None:
     """What two of the demands, or one and what else is asked (`others`: name, Ask), ask that excludes each other.
 

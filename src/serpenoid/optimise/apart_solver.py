@@ -7,7 +7,6 @@ no small step undoes it: the next NLP begins where the first did, apart.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -19,12 +18,10 @@ from serpenoid.objectives.criteria import Criteria
 from serpenoid.optimise.asked import Customise
 from serpenoid.optimise.clear.apart import Near, keep_apart, pairs_of
 from serpenoid.optimise.clear.clearance import RESOLUTION
-from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
-from serpenoid.optimise.motions import Costs, GaitBounds
-from serpenoid.optimise.program.prepared import Carried
+from serpenoid.optimise.motions import Costs
 from serpenoid.optimise.solution import SelfClear
-from serpenoid.optimise.solver import Answer, GaitSolver
+from serpenoid.optimise.solver import AS_ASKED, Answer, GaitSolver, Run
 from serpenoid.problem import Problem
 from serpenoid.status import Status
 
@@ -44,23 +41,15 @@ class ApartSolver(GaitSolver):
             raise InputError("nothing asks the body to keep off itself. Add a demand of kind `self`.")
         self.pairs, self.distance = asked
 
-    def solve(
-        self,
-        start: Floats | Point,
-        c: float,
-        gait_bounds: GaitBounds | None = None,
-        carried: Carried | None = None,
-        flag: StopFlag | None = None,
-        watch: Callable[[float], None] | None = None,
-    ) -> Answer:
+    def solve(self, start: Floats | Point, c: float, run: Run = AS_ASKED) -> Answer:
         """As a GaitSolver's, until nothing is too near."""
         begin = self._clear_start(start.x[-self.family.size :] if isinstance(start, Point) else start)
-        answer = super().solve(begin, c, gait_bounds, carried, flag, watch)
+        answer = super().solve(begin, c, run)
         watched: tuple[Near, ...] = ()
         margin = MARGIN
         for _ in range(ROUNDS):
             angles = self._angles(self.table(answer.q))
-            if flag or not np.isfinite(angles).all():
+            if run.flag or not np.isfinite(angles).all():
                 break
             near = set(self.pairs.near(angles, self.distance + 0.5 * margin)) - set(watched)
             proven = 0.0 if near else self.pairs.clearance(angles, self.distance).proven
@@ -70,7 +59,7 @@ class ApartSolver(GaitSolver):
             watched = (*watched, *sorted(near))
             alone = GaitSolver(self.problem, self._with(watched, margin), self._gait)
             apart = self.pairs.least(angles[None])[0] > 0
-            again = alone.solve(answer.q if apart else begin, c, gait_bounds, None, flag, watch)
+            again = alone.solve(answer.q if apart else begin, c, replace(run, carried=None))
             answer = again.after(answer)
             if again.outcome.status is Status.STOPPED:
                 break

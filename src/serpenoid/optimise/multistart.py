@@ -14,9 +14,8 @@ from serpenoid.optimise.chain_store import ChainStore, store_of
 from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Point
 from serpenoid.optimise.motions import GaitBounds
-from serpenoid.optimise.program.prepared import Carried
 from serpenoid.optimise.solution import Solution
-from serpenoid.optimise.solver import Answer, GaitSolver
+from serpenoid.optimise.solver import AS_ASKED, Answer, GaitSolver, Run
 from serpenoid.shown import Shown
 from serpenoid.status import Status
 from serpenoid.wording import FOUND_ONCE, counted
@@ -90,20 +89,17 @@ def solve_one(
     solver: GaitSolver,
     start: Floats | Point,
     c: float,
-    gait_bounds: GaitBounds | None = None,
+    run: Run = AS_ASKED,
     polish: bool = False,
-    flag: StopFlag | None = None,
-    watch: Callable[[float], None] | None = None,
-    carried: Carried | None = None,
     store: ChainStore | None = None,
 ) -> tuple[Solution, Answer]:
     """Optimise from one start, or take what is stored, and certify the answer."""
     answer = store.load(c, solver) if store is not None else None
     if answer is None:
-        answer = solver.solve(start, c, gait_bounds, carried, flag, watch)
+        answer = solver.solve(start, c, run)
         if store is not None and answer.outcome.status.ok:
             store.save(c, answer)
-    return as_solution(solver, answer, c, polish, gait_bounds, flag), answer
+    return as_solution(solver, answer, c, polish, run.gait_bounds, run.flag), answer
 
 
 def as_solution(
@@ -166,7 +162,7 @@ def solve_many(
     for i, start in enumerate(starts):
         if flag:
             break
-        found.append(solve_one(solver, start, c, flag=flag, watch=watch, store=store_of(folder, start)))
+        found.append(solve_one(solver, start, c, Run(flag=flag, watch=watch), store=store_of(folder, start)))
         if progress is not None:
             progress(i + 1, best_of([s for s, _ in found]))
     return summarised(solver, found, c, flag)

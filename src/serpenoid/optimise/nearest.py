@@ -21,7 +21,7 @@ from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Residuals
 from serpenoid.optimise.multistart import MISSED, MultiStart, Optimum, solve_one
 from serpenoid.optimise.solution import Solution
-from serpenoid.optimise.solver import GaitSolver
+from serpenoid.optimise.solver import GaitSolver, Run
 from serpenoid.problem import Problem
 from serpenoid.status import Status
 
@@ -47,20 +47,18 @@ def _missing(solver: GaitSolver, best: Solution) -> bool:
     return best.status is Status.INFEASIBLE or (astray and best.missed >= MISSED and _asks(solver))
 
 
-def _nearer(
-    solver: GaitSolver, found: MultiStart, customise: Customise | None = None, flag: StopFlag | None = None
-) -> MultiStart:
+def _nearer(solver: GaitSolver, found: MultiStart, customise: Customise | None, flag: StopFlag | None) -> MultiStart:
     """From where the best ended, and from the problem's own gait: the nearest there is, and the demands once more."""
     best, c, turn = found.best, solver.problem.task.c, solver.heading_target()
     search = GaitSolver(_heading_freely(solver.problem), softened(customise, turn), best.gait)
     begin = np.clip(best.q, *solver.gait_bounds()), solver.own_start()
-    answers = [answer for q in begin if (answer := search.solve(q, 0.0, flag=flag)).outcome.status.ok]
+    answers = [answer for q in begin if (answer := search.solve(q, 0.0, Run(flag=flag))).outcome.status.ok]
     if not answers:
         return found
     answers.sort(key=lambda answer: answer.outcome.objective)
     for answer in answers:
         if answer.outcome.objective < MISSED**2:
-            again, _ = solve_one(solver, answer.q, c, polish=True, flag=flag)
+            again, _ = solve_one(solver, answer.q, c, Run(flag=flag), polish=True)
             if again.status.ok:
                 return _with(found, best, again, (Optimum(again, 1),))
     shown = _of(solver, best, answers[0].q)

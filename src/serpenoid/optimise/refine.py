@@ -18,6 +18,7 @@ from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
 from serpenoid.optimise.multistart import MultiStart, solve_one
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
+from serpenoid.optimise.solver import Run
 from serpenoid.problem import Problem
 from serpenoid.status import Status
 
@@ -50,8 +51,6 @@ class Refined:
 
 def refine(
     solution: Solution,
-    share: float = REFINED,
-    doublings: int = DOUBLINGS,
     flag: StopFlag | None = None,
     progress: Progress | None = None,
     watch: Callable[[float], None] | None = None,
@@ -60,13 +59,13 @@ def refine(
 ) -> Refined:
     """The same problem solved with twice the steps, from this solution's motion, and again until its mesh is fine.
 
-    Fine: the displacement's error is at most `share` of its limit. A gait that no mesh confirms stays refused.
+    Fine: the displacement's error is at most REFINED of its limit. A gait that no mesh confirms stays refused.
     `progress(solution)` is called before each mesh with what is solved again, `watch(objective)` at each iteration.
     What is kept at `kept_at(steps)` is not solved again.
     """
     last, kept, seconds = solution, solution, 0.0
-    for _ in range(doublings):
-        if flag or not last.trajectory.status.ok or last.status in ASTRAY or last.mesh.within(share):
+    for _ in range(DOUBLINGS):
+        if flag or not last.trajectory.status.ok or last.status in ASTRAY or last.mesh.within(REFINED):
             break
         if progress is not None:
             progress(last)
@@ -126,7 +125,7 @@ def _finer(
     start = np.clip(solver.family.start(), *solver.gait_bounds())
     carried = solver.about(start, good=True)
     store = None if kept_at is None else kept_at(problem.task.steps)
-    return solve_one(solver, start, solution.c, None, polish, flag, watch, carried, store)[0]
+    return solve_one(solver, start, solution.c, Run(None, carried, flag, watch), polish, store)[0]
 
 
 def with_steps(problem: Problem, steps: int) -> Problem:

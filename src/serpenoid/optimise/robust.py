@@ -21,7 +21,6 @@ from serpenoid.model import Model
 from serpenoid.objectives.self_clearance import SelfClearance
 from serpenoid.optimise.apart_solver import ApartSolver
 from serpenoid.optimise.asked import Customise
-from serpenoid.optimise.interrupt import StopFlag
 from serpenoid.optimise.ipopt import Bounds, Ipopt, Point
 from serpenoid.optimise.motions import Costs, GaitBounds
 from serpenoid.optimise.program.limits import PathLimits, path_limits
@@ -29,7 +28,7 @@ from serpenoid.optimise.program.prepared import Carried
 from serpenoid.optimise.program.robust_nlp import RobustNLP
 from serpenoid.optimise.program.transcription import GaitNLP
 from serpenoid.optimise.solution import CaseOutcome
-from serpenoid.optimise.solver import Answer, GaitSolver
+from serpenoid.optimise.solver import AS_ASKED, Answer, GaitSolver, Run
 from serpenoid.optimise.step.motion_law import motion_law
 from serpenoid.problem import Problem
 from serpenoid.simulation.gaits import simulate_gaits
@@ -86,27 +85,19 @@ class RobustSolver(GaitSolver):
         worst = [[np.nan_to_num(max(self._values(q, self._c)))]] if self.over == "worst" else []
         return np.concatenate([*own, *worst, q])
 
-    def solve(
-        self,
-        start: Floats | Point,
-        c: float,
-        gait_bounds: GaitBounds | None = None,
-        carried: Carried | None = None,
-        flag: StopFlag | None = None,
-        watch: Callable[[float], None] | None = None,
-    ) -> Answer:
+    def solve(self, start: Floats | Point, c: float, run: Run = AS_ASKED) -> Answer:
         """As a GaitSolver's; over an interval until no ratio of it is worse than the cases."""
         self._c = c
         start = start.x[-self.family.size :] if isinstance(start, Point) else start  # cases may have been added since
-        answer = super().solve(start, c, gait_bounds, carried, flag, watch)
+        answer = super().solve(start, c, run)
         for left in reversed(range(ROUNDS + 1)):
-            ratio = self._worse(answer.q, c) if answer.outcome.status.ok and not flag else None
+            ratio = self._worse(answer.q, c) if answer.outcome.status.ok and not run.flag else None
             if ratio is None:
                 break
             if not left:
                 return replace(answer, outcome=replace(answer.outcome, status=Status.NOT_CONVERGED))
             self._add(at_ratio(self.problem, ratio))
-            answer = super().solve(answer.q, c, gait_bounds, None, flag, watch).after(answer)
+            answer = super().solve(answer.q, c, replace(run, carried=None)).after(answer)
         return answer
 
     def prepared(self, carried: Carried, penalised: bool = True) -> tuple[RobustNLP, Ipopt]:  # type: ignore[override]

@@ -16,7 +16,7 @@ from serpenoid.optimise.multistart import MultiStart, solve_many, solve_one
 from serpenoid.optimise.nearest import with_nearest
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
-from serpenoid.optimise.solver import GaitSolver
+from serpenoid.optimise.solver import GaitSolver, Run
 from serpenoid.optimise.starts import inside, random_gaits, within
 from serpenoid.optimise.weights import check_weights
 from serpenoid.problem import Problem
@@ -76,7 +76,7 @@ def solve_from(problem: Problem | str | Path, gait: Gait, customise: Customise |
     start = np.clip(solver.family.start(), *solver.gait_bounds())
     solver.prepare(start)
     with catch_interrupt() as flag:
-        return solve_one(solver, start, problem.task.c, polish=True, flag=flag)[0]
+        return solve_one(solver, start, problem.task.c, Run(flag=flag), polish=True)[0]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -120,6 +120,6 @@ def improve(
 
 def _improve_one(solver: GaitSolver, q: Floats, fraction: float, flag: StopFlag) -> Improved:
     bounds = within(solver, q, fraction)
-    solution, _ = solve_one(solver, q, solver.problem.task.c, bounds, polish=True, flag=flag)
+    solution, _ = solve_one(solver, q, solver.problem.task.c, Run(bounds, flag=flag), polish=True)
     table = solver.table(q)
     return Improved(q, table, solver.simulate(q), solution)

@@ -56,6 +56,24 @@ class Answer:
         return replace(self, iterations=before.iterations + self.iterations, seconds=before.seconds + self.seconds)
 
 
+@dataclass(frozen=True)
+class Run:
+    """How one gait is searched for.
+
+    gait_bounds: of its parameters (None: the problem's). carried: what the first NLP carries (None: what the start
+    brings near); a start that is a Point needs that of its own NLP. flag: ends the search where it is raised.
+    `watch(objective)` is called at each iteration.
+    """
+
+    gait_bounds: GaitBounds | None = None
+    carried: Carried | None = None
+    flag: StopFlag | None = None
+    watch: Callable[[float], None] | None = None
+
+
+AS_ASKED = Run()
+
+
 class GaitSolver(PreparedNLPs):
     """Prepared once per problem (structure, family, criteria); bounds and c may change per solve.
 
@@ -78,55 +96,39 @@ class GaitSolver(PreparedNLPs):
         if self._easier is not None and self._approach is not None:
             self._approach.prepare(self._easier.to(q, self.family))
 
-    def solve(
-        self,
-        start: Floats | Point,
-        c: float,
-        gait_bounds: GaitBounds | None = None,
-        carried: Carried | None = None,
-        flag: StopFlag | None = None,
-        watch: Callable[[float], None] | None = None,
-    ) -> Answer:
-        """Optimise from gait parameters (n,) or warm from a Point of an NLP that had `carried`.
+    def solve(self, start: Floats | Point, c: float, run: Run = AS_ASKED) -> Answer:
+        """Optimise from gait parameters (n,) or warm from a Point of an NLP that had `run.carried`.
 
         Where the easier problem's optimum leads to what cannot be met, the start itself may not.
         """
         if isinstance(start, Point):
-            return self._search(start, c, gait_bounds, carried, flag, watch)
+            return self._search(start, c, run)
 
         def found_from(q: Floats) -> Answer:
-            return self._search(self.start(q), c, gait_bounds, carried or self.about(q), flag, watch)
+            return self._search(self.start(q), c, replace(run, carried=run.carried or self.about(q)))
 
-        begin, before = self._approached(start, c, gait_bounds, flag)
+        begin, before = self._approached(start, c, run)
         answer = found_from(begin)
         answer = answer if before is None else answer.after(before)
-        if answer.outcome.status is not Status.INFEASIBLE or begin is start or flag:
+        if answer.outcome.status is not Status.INFEASIBLE or begin is start or run.flag:
             return answer
         again = found_from(start).after(answer)
         return answer if again.outcome.status is Status.INFEASIBLE else again
 
-    def _search(
-        self,
-        current: Floats | Point,
-        c: float,
-        gait_bounds: GaitBounds | None,
-        carried: Carried | None,
-        flag: StopFlag | None,
-        watch: Callable[[float], None] | None,
-    ) -> Answer:
+    def _search(self, current: Floats | Point, c: float, run: Run) -> Answer:
         """Search from a point of the NLP, exchanging what it carries."""
         iterations, seconds = 0, 0.0
-        carried, recoveries, clear = replace(carried or self.first(), staying=frozenset()), RECOVERIES, None
+        carried, recoveries, clear = replace(run.carried or self.first(), staying=frozenset()), RECOVERIES, None
         penalised = c > 0 or self.asked.always_dissipation
         for left in reversed(range(EXCHANGES)):
             _, ipopt = self.prepared(carried, penalised)
-            given = self.parameters(c, carried.rows), self.bounds(carried, gait_bounds)
-            outcome = ipopt.solve(current, *given, flag, watch)
+            given = self.parameters(c, carried.rows), self.bounds(carried, run.gait_bounds)
+            outcome = ipopt.solve(current, *given, run.flag, run.watch)
             iterations, seconds = iterations + outcome.iterations, seconds + outcome.timing["total"]
             q = outcome.point.x[-self.family.size :]
-            again = self._recovery(outcome, gait_bounds)
+            again = self._recovery(outcome, run.gait_bounds)
             if again is None and recoveries and outcome.status.ok:
-                again = self._spread(q, gait_bounds)
+                again = self._spread(q, run.gait_bounds)
             if again is not None and recoveries:
                 recoveries, current = recoveries - 1, again
                 log.info("%s after %d iterations: the search begins again", outcome.ipopt_status, outcome.iterations)
@@ -143,17 +145,15 @@ class GaitSolver(PreparedNLPs):
             carried = following
         return Answer(outcome, q, iterations, seconds, carried, clear)
 
-    def _approached(
-        self, start: Floats, c: float, gait_bounds: GaitBounds | None, flag: StopFlag | None
-    ) -> tuple[Floats, Answer | None]:
+    def _approached(self, start: Floats, c: float, run: Run) -> tuple[Floats, Answer | None]:
         """Where the search begins: the easier problem's optimum, if it is found; the search for it."""
         solver, way = self._approach, self._easier
-        if solver is None or way is None or (gait_bounds is not None and way.fewer > 1):
+        if solver is None or way is None or (run.gait_bounds is not None and way.fewer > 1):
             return start, None
         price = c if solver.model.law.degree == self.model.law.degree else 0.0  # drag has another scale
-        found = solver.solve(way.to(start, self.family), price, gait_bounds, flag=flag)
+        found = solver.solve(way.to(start, self.family), price, Run(run.gait_bounds, flag=run.flag))
         if found.outcome.status.ok:
-            start = np.clip(way.back(found.q, solver.family), *(gait_bounds or self.gait_bounds()))
+            start = np.clip(way.back(found.q, solver.family), *(run.gait_bounds or self.gait_bounds()))
         return start, found
 
     def about(self, start: Floats, good: bool = False) -> Carried:

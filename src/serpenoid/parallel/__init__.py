@@ -16,7 +16,7 @@ from serpenoid.parallel.forks import in_processes, limited, meanwhile
 T = TypeVar("T")
 Task = tuple[Any, ...]
 
-__all__ = ["Beside", "Workers", "in_processes", "in_order", "limited", "meanwhile", "results"]
+__all__ = ["Beside", "Workers", "in_processes", "limited", "meanwhile", "results"]
 
 
 @dataclass(frozen=True)
@@ -40,11 +40,6 @@ def results(function: Callable[..., T], tasks: Sequence[Task], workers: Workers)
         from serpenoid.parallel.local import in_pool
 
         yield from in_pool(_alone, [(function, *task) for task in tasks], workers.jobs)
-
-
-def in_order(function: Callable[..., T], tasks: Sequence[Task], workers: Workers) -> list[T]:
-    """All results, in the order of their tasks."""
-    return [result for _, result in sorted(results(function, tasks, workers), key=lambda pair: pair[0])]
 
 
 def _alone(function: Callable[..., T], *task: Any) -> T:

@@ -42,7 +42,7 @@ def animation(
     fig.set_dpi(100)
     canvas = FigureCanvasAgg(fig)
     ax = fig.add_subplot()
-    slope = around(chains.reshape(-1, 2), ax, 0.05)
+    slope = around(chains.reshape(-1, 2), ax)
     fig.set_size_inches(WIDTH, float(np.clip((WIDTH - 0.7) * slope + 0.85, 2.0, WIDTH)))
     dress(ax, " ", "x [body lengths]", "y [body lengths]")
     ax.plot(*chains[0].T, color=FAINT, linewidth=3.2, solid_capstyle="round", zorder=1)

@@ -16,16 +16,15 @@ from serpenoid import group
 from serpenoid.body import Floats
 
 Artists = tuple[Line2D, Line2D, Line2D]
+ZORDER = 2
 
 
-def draw_body(
-    vertices: Floats, ax: Axes, colour: Any, width: float = 3.4, joints: Sequence[int] = (), zorder: float = 2
-) -> Artists:
+def draw_body(vertices: Floats, ax: Axes, colour: Any, width: float = 3.4, joints: Sequence[int] = ()) -> Artists:
     """Rim, chain (N, 2) with white dots at `joints` (vertex numbers), and round head.
 
-    The white rim keeps crossing bodies apart; heads lie over all chains of the same `zorder`.
+    The white rim keeps crossing bodies apart; heads lie over all chains.
     """
-    shown: dict[str, Any] = {"solid_capstyle": "round", "solid_joinstyle": "round", "zorder": zorder}
+    shown: dict[str, Any] = {"solid_capstyle": "round", "solid_joinstyle": "round", "zorder": ZORDER}
     (rim,) = ax.plot(*vertices.T, color="white", linewidth=width + 1.6, **shown)
     (chain,) = ax.plot(
         *vertices.T, color=colour, linewidth=width, marker="o" if joints else None, markevery=list(joints) or None,
@@ -33,7 +32,7 @@ def draw_body(
     )  # fmt: skip
     (head,) = ax.plot(
         *vertices[-1:].T, "o", markersize=2.4 * width, color=colour, markeredgecolor="white", markeredgewidth=0.9,
-        zorder=zorder + 0.5,
+        zorder=ZORDER + 0.5,
     )  # fmt: skip
     return rim, chain, head
 

@@ -74,7 +74,7 @@ def _around(values: Floats) -> tuple[float, float]:
     return float(middle - half), float(middle + half)
 
 
-def pareto(family: Family, ax: Axes, title: str = "Pareto front") -> Axes:
+def pareto(family: Family, ax: Axes) -> Axes:
     """Displacement against dissipation, coloured by c; gaits that no other one beats are joined and ringed."""
     front = np.flatnonzero(pareto_front(family.displacement, family.dissipation))
     front = front[np.argsort(family.dissipation[front])]
@@ -84,7 +84,7 @@ def pareto(family: Family, ax: Axes, title: str = "Pareto front") -> Axes:
     ax.scatter(x, y, c=family.c, cmap=CHAIN_MAP, s=26, linewidths=0, zorder=3)
     ax.set(xlim=_around(x), ylim=_around(y))
     ax.ticklabel_format(useOffset=False)
-    return dress(ax, title, D_LABEL, DELTA_LABEL)
+    return dress(ax, "Pareto front", D_LABEL, DELTA_LABEL)
 
 
 def one_gait(beside: OneGait, ax: Axes) -> Axes:
@@ -103,7 +103,7 @@ def gait_parameters(family: Family, ax: Axes, name: str, title: str = "") -> Axe
     return against_c(family, family.gaits[:, family.names.index(name)], ax, label, title, colour)
 
 
-def gait_curves(family: Family, ax: Axes, title: str = "Gaits in shape space") -> Axes:
+def gait_curves(family: Family, ax: Axes) -> Axes:
     """The gait curves coloured by c; of a gait and its mirror image (w -> -w, equal in cost) the nearer to the last."""
     span = np.ptp(family.c) or 1.0
     centre = np.zeros(2)
@@ -115,4 +115,4 @@ def gait_curves(family: Family, ax: Axes, title: str = "Gaits in shape space") -
     ax.axhline(0, color=FAINT, linewidth=1, zorder=0.5)
     ax.axvline(0, color=FAINT, linewidth=1, zorder=0.5)
     fill_equal(ax)
-    return dress(ax, title, X_LABEL, Y_LABEL, grid=False)
+    return dress(ax, "Gaits in shape space", X_LABEL, Y_LABEL, grid=False)

@@ -27,9 +27,7 @@ def over_cycles(trajectory: Trajectory, cycles: int) -> tuple[Floats, Floats]:
     if len(trajectory.poses) == cycles * steps + 1:
         return trajectory.poses, trajectory.vertices
     poses, chains = trajectory.poses[: steps + 1], trajectory.vertices[: steps + 1]
-    c, s = np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])
-    move = np.diff(poses, axis=0)
-    relative = np.stack([c * move[:, 0] + s * move[:, 1], c * move[:, 1] - s * move[:, 0], move[:, 2]], -1)
+    relative = group.relative(poses[:-1], poses[1:])
     long = group.accumulate(np.tile(relative, (cycles, 1)), poses[0])
     frames = shapes(poses, chains)
     return long, group.place(long, np.concatenate([np.tile(frames[:-1], (cycles, 1, 1)), frames[-1:]]))
@@ -61,7 +59,7 @@ def motion(
     ax.plot([], [], "o", markersize=8, color=PHASE_MAP(0.0), label="head")
     points = np.concatenate([chains[rows].reshape(-1, 2), poses[:, :2]])
     _scale_bar(points, ax, body_length_m, bar_within)
-    around(points, ax, 0.05, below=0.05 if bar_within else 0.0)
+    around(points, ax, below=0.05 if bar_within else 0.0)
     return dress(ax, title, "x [body lengths]", "y [body lengths]")
 
 

@@ -89,7 +89,7 @@ def floor(trial: Trial, ax: Axes) -> Axes:
     """Paths of the markers, the centroid, and the body at the start and end of every passage."""
     motion = trial.motion
     if motion is None:
-        return _nothing(ax, "no motion file")
+        return _nothing(ax)
     step = max(1, len(motion.time_s) // DRAWN)
     count = motion.markers.shape[1]
     for vertex in range(count):
@@ -118,7 +118,7 @@ def visibility(trial: Trial, ax: Axes) -> Axes:
     """Which vertex was seen when; gaps and jumps marked."""
     motion = trial.motion
     if motion is None:
-        return _nothing(ax, "no motion file")
+        return _nothing(ax)
     clock, seen = Clock.of(motion), np.isfinite(motion.markers[..., 0]).T
     shares = seen.mean(axis=1)
     extent = (*clock.ends, -0.5, seen.shape[0] - 0.5)
@@ -156,7 +156,7 @@ def angles(trial: Trial, ax: Axes) -> Axes:
     """Three joints: commanded, by servo, by markers and servo together."""
     motion = trial.motion
     if motion is None:
-        return _nothing(ax, "no motion file")
+        return _nothing(ax)
     joints = sorted({0, motion.joint_angles.shape[1] // 2, motion.joint_angles.shape[1] - 1})
     step = max(1, len(motion.time_s) // (4 * DRAWN))
     clock, time = Clock.of(motion), motion.time_s[::step]
@@ -199,7 +199,7 @@ def repeats(trials: tuple[Trial, ...], ax: Axes) -> Axes:
     return ax
 
 
-def _nothing(ax: Axes, text: str) -> Axes:
-    ax.text(0.5, 0.5, text, ha="center", va="center", color=GREY, transform=ax.transAxes)
+def _nothing(ax: Axes) -> Axes:
+    ax.text(0.5, 0.5, "no motion file", ha="center", va="center", color=GREY, transform=ax.transAxes)
     ax.set_axis_off()
     return ax

@@ -34,6 +34,7 @@ CHAIN_MAP = _cut("viridis", 0.0, 0.84)  # place along the body, or the coefficie
 ANGLE_MAP = colormaps["PuOr_r"]  # signed angles
 
 
+PAD = 0.05  # of the extent of what is drawn, about it
 PALEST = 0.65  # of the way to white: still seen on it
 
 
@@ -74,12 +75,12 @@ def legend_above(ax: Axes, columns: int) -> None:
     )  # fmt: skip
 
 
-def around(points: NDArray[np.float64], ax: Axes, pad: float, below: float = 0.0) -> float:
-    """Equal axes round points (n, 2), with a part `pad` of their extent around and `below` under it; height / width."""
+def around(points: NDArray[np.float64], ax: Axes, below: float = 0.0) -> float:
+    """Equal axes round points (n, 2), with PAD of their extent around and `below` more under it; height / width."""
     low, high = points.min(0), points.max(0)
     extent = float((high - low).max()) or 1.0
-    x = low[0] - pad * extent, high[0] + pad * extent
-    y = low[1] - (pad + below) * extent, high[1] + pad * extent
+    x = low[0] - PAD * extent, high[0] + PAD * extent
+    y = low[1] - (PAD + below) * extent, high[1] + PAD * extent
     ax.set(xlim=x, ylim=y, aspect="equal")
     _few_ticks(ax)
     return (y[1] - y[0]) / (x[1] - x[0])

@@ -30,14 +30,12 @@ def best_idle(family: Family) -> Floats:
         return np.where(family.c > 0, family.displacement / family.c, np.inf) - family.dissipation
 
 
-def idle_interval(family: Family, between: tuple[float, float] = BETWEEN) -> tuple[float, float] | None:
-    """Idle levels (lower, upper) whose least cost lies at a c `between`; None if the sweep is shorter than that."""
-    return idle_for_minimum(family.c, family.displacement, family.dissipation, *between)
+def idle_interval(family: Family) -> tuple[float, float] | None:
+    """Idle levels (lower, upper) whose least cost lies at a c BETWEEN two; None if the sweep is shorter than that."""
+    return idle_for_minimum(family.c, family.displacement, family.dissipation, *BETWEEN)
 
 
-def cost_of_transport(
-    family: Family, ax: Axes, idle_levels: Sequence[float], title: str = "Cost of transport (p + D) / Δ"
-) -> Axes:
+def cost_of_transport(family: Family, ax: Axes, idle_levels: Sequence[float]) -> Axes:
     """A curve per idle level p, a dot per gait, the least of these starred (hollow at an end: it goes on beyond)."""
     along = family.between()
     ends = []
@@ -56,24 +54,24 @@ def cost_of_transport(
     ax.set_ylim(0, None)
     if idle_interval(family) is not None:
         ax.axvspan(*BETWEEN, color=ORANGE, alpha=0.15, linewidth=0, zorder=0)
-    dress(ax, title, C_LABEL, "cost of transport [units of D / body length]")
+    dress(ax, "Cost of transport (p + D) / Δ", C_LABEL, "cost of transport [units of D / body length]")
     name_levels(ends, [f"p = {p:.3g}" for p in idle_levels], ax, family.c[-1])
     legend_above(ax, 2)
     return ax
 
 
-def idle_levels(family: Family, ax: Axes, between: tuple[float, float] = BETWEEN) -> Axes:
-    """For each c the idle level it is best for; the levels whose least cost lies `between` two values are shaded."""
+def idle_levels(family: Family, ax: Axes) -> Axes:
+    """For each c the idle level it is best for; levels whose least cost lies at a c BETWEEN two are shaded."""
     real = family.c > 0
     along = family.between(int(np.argmax(real)))
     ax.semilogy(along.c, best_idle(along), color=BLUE, linewidth=1.5)
     ax.semilogy(family.c[real], best_idle(family)[real], "o", color=BLUE, markersize=4)
-    ends = idle_interval(family, between)
+    ends = idle_interval(family)
     if ends is not None:
         ax.axhspan(*ends, color=ORANGE, alpha=0.25, linewidth=0)
-        ax.vlines(between, 0, 1, transform=ax.get_xaxis_transform(), color=GREY, linewidth=1, linestyle="--")
+        ax.vlines(BETWEEN, 0, 1, transform=ax.get_xaxis_transform(), color=GREY, linewidth=1, linestyle="--")
         ax.text(
-            0.97, 0.95, f"least cost at {between[0]:g} < c < {between[1]:g}\nfor {ends[0]:.3f} < p < {ends[1]:.3f}",
+            0.97, 0.95, f"least cost at {BETWEEN[0]:g} < c < {BETWEEN[1]:g}\nfor {ends[0]:.3f} < p < {ends[1]:.3f}",
             transform=ax.transAxes, ha="right", va="top", fontsize=NORMAL, color=INK,
             bbox={"facecolor": "white", "linewidth": 0, "pad": 3},
         )  # fmt: skip

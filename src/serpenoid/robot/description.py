@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -15,14 +14,14 @@ from serpenoid.body import LONGEST_CYCLE_S
 from serpenoid.files.schema import Name, Record
 from serpenoid.robot.models import DEFAULT, ServoModel, models
 from serpenoid.robot.stated import SHORTEST_CYCLE_S
-from serpenoid.wording import counted
+from serpenoid.wording import closest, counted
 
 
 def known_model(name: str) -> str:
     """The name; raises ValueError with all names that there are, and the likeliest."""
     if name not in models():
-        close = difflib.get_close_matches(name, models(), n=1)
-        meant = "".join(f"; did you mean `{other}`?" for other in close)
+        close = closest(name, models())
+        meant = "" if close is None else f"; did you mean `{close}`?"
         raise ValueError(f"must be one of {', '.join(models())}{meant}")
     return name
 

@@ -46,50 +46,49 @@ class Balance(Steps):
     slopes: Floats
 
 
-def solve_balance(
-    model: Model,
-    before: Floats,
-    after: Floats,
-    times: Floats,
-    starts: Floats,
-    guess: Floats,
-    coast: Coast | None = None,
-) -> Balance:
-    """Relative poses of S steps between `times` (S, 2) [s], from poses `starts` (S, 3) on the floor.
+@dataclass(frozen=True)
+class Placed:
+    """S steps on the floor: elements (4, M S) before and after, between times (S, 2) [s], from poses (S, 3) on.
 
-    before, after: elements (4, M S). guess (S, 3): relative poses, usually the baseline's. Without `coast` effects
-    that know history are left out.
+    Without `coast` effects that know history are left out.
     """
-    coast = coast or at_rest(len(guess))
-    root = _newton(model, before, after, times, starts, group.compose(starts, guess), coast, 1.0)
+
+    before: Floats
+    after: Floats
+    times: Floats
+    starts: Floats
+    coast: Coast | None = None
+
+    def part(self, keep: np.ndarray) -> Placed:
+        """Some of the steps: their numbers, or which (S,)."""
+        before, after = (some_steps(x, len(self.starts), keep) for x in (self.before, self.after))
+        coast = None if self.coast is None else self.coast.part(keep)
+        return Placed(before, after, self.times[keep], self.starts[keep], coast)
+
+
+def solve_balance(model: Model, steps: Placed, guess: Floats) -> Balance:
+    """Relative poses of steps; guess (S, 3): where the search begins, usually the baseline's."""
+    begin = group.compose(steps.starts, guess)
+    root = _newton(model, steps, begin, 1.0)
     for strength in STRENGTHS:
         bad = ~root.sound
         if not bad.any():
             break
         if strength == STRENGTHS[0]:
-            root.relative[bad] = group.compose(starts, guess)[bad]
-        again = _subset(before, after, bad)
+            root.relative[bad] = begin[bad]
         most = np.inf if strength == STRENGTHS[-1] else FAR
-        part = _newton(model, *again, times[bad], starts[bad], root.relative[bad], coast.part(bad), strength, most)
+        part = _newton(model, steps.part(bad), root.relative[bad], strength, most)
         root.relative[bad] = part.relative
         if strength == STRENGTHS[-1]:
             root.sound[bad], root.residual[bad], root.energy[bad] = part.sound, part.residual, part.energy
             root.slopes[bad] = part.slopes
-    return replace(root, relative=group.relative(starts, root.relative))
+    return replace(root, relative=group.relative(steps.starts, root.relative))
 
 
-def solve_near(
-    model: Model,
-    before: Floats,
-    after: Floats,
-    times: Floats,
-    starts: Floats,
-    near: Floats,
-    coast: Coast | None = None,
-) -> Balance:
+def solve_near(model: Model, steps: Placed, near: Floats) -> Balance:
     """The same from relative poses `near` (S, 3) of a model much like this one; those that lead nowhere not sound."""
-    found = _newton(model, before, after, times, starts, group.compose(starts, near), coast or at_rest(len(near)), 1.0)
-    return replace(found, relative=group.relative(starts, found.relative))
+    found = _newton(model, steps, group.compose(steps.starts, near), 1.0)
+    return replace(found, relative=group.relative(steps.starts, found.relative))
 
 
 def at_rest(count: int) -> Coast:
@@ -97,23 +96,14 @@ def at_rest(count: int) -> Coast:
     return Coast(np.zeros(count), np.zeros((count, 3)))
 
 
-def _newton(
-    model: Model,
-    before: Floats,
-    after: Floats,
-    times: Floats,
-    starts: Floats,
-    ends: Floats,
-    coast: Coast,
-    strength: float,
-    most: float = FAR,
-) -> Balance:
-    """The second poses by Newton's method, sound where they are no farther than `most` [body lengths, rad]; `relative`
-    of the answer holds poses on the floor."""
+def _newton(model: Model, steps: Placed, ends: Floats, strength: float, most: float = FAR) -> Balance:
+    """The second poses by Newton's method from `ends` (S, 3) on, sound where they are no farther than `most` [body
+    lengths, rad]; `relative` of the answer holds poses on the floor."""
+    starts, coast = steps.starts, steps.coast or at_rest(len(ends))
     law, home = MediumNumbers.of(model, strength), starts * [1, 1, 0]
-    settings, carried = law.settings(times).T, about(coast.carried, home)
+    settings, carried = law.settings(steps.times).T, about(coast.carried, home)
     settings[:, 3:5] = home[:, :2]
-    chains = [by_step(x, len(ends)).reshape(len(ends), -1, 4) for x in (before, after)]
+    chains = [by_step(x, len(ends)).reshape(len(ends), -1, 4) for x in (steps.before, steps.after)]
     given = *chains, starts - home, settings, coast.rate, carried, ends - home
     run = roots(law.kind, held_for(law.acting))
     found = plain_roots(law, *given) if run is None else run(*given, law.medium.T, law.theta.T, LIMITS)
@@ -152,9 +142,9 @@ def by_step(elements: Floats, count: int) -> Floats:
     return np.ascontiguousarray(elements.T).reshape(count, -1)
 
 
-def _subset(before: Floats, after: Floats, keep: np.ndarray) -> tuple[Floats, Floats]:
-    first, second = (by_step(x, len(keep))[keep].reshape(-1, 4).T for x in (before, after))
-    return first, second
+def some_steps(elements: Floats, count: int, keep: np.ndarray) -> Floats:
+    """Elements (4, M K) of K of `count` steps: their numbers, or which (S,)."""
+    return np.asarray(by_step(elements, count)[keep].reshape(-1, 4).T)
 
 
 def about(momenta: Floats, point: Floats) -> Floats:

@@ -10,7 +10,7 @@ import numpy as np
 from serpenoid import group
 from serpenoid.body import Floats
 from serpenoid.model import Model
-from serpenoid.simulation.balance import solve_balance
+from serpenoid.simulation.balance import Placed, solve_balance
 from serpenoid.simulation.chain import solve_chain
 from serpenoid.simulation.steps import Steps, solve_steps
 
@@ -22,10 +22,10 @@ def solve_independent(model: Model, before: Floats, after: Floats, times: Floats
         return plain
     guess = np.where(np.isfinite(plain.relative), plain.relative, 0.0)
     spans = np.column_stack([times[:, :-1].ravel(), times[:, 1:].ravel()])
-    return solve_balance(model, before, after, spans, np.zeros_like(guess), guess)
+    return solve_balance(model, Placed(before, after, spans, np.zeros_like(guess)), guess)
 
 
-def solve_extended(model: Model, elements: Floats, times: Floats, start: Floats | None = None) -> Steps:
+def solve_extended(model: Model, elements: Floats, times: Floats, start: Floats | None) -> Steps:
     """Relative poses of a sequence of shapes: elements (4, M R) at `times` (R,) [s], first pose `start` on the floor.
 
     With inertia the body is at rest before the first row. `start` (K + 1, 3): it is moving already, and these are its
@@ -39,7 +39,7 @@ def solve_extended(model: Model, elements: Floats, times: Floats, start: Floats 
         return plain
     guess = np.where(np.isfinite(plain.relative), plain.relative, 0.0)
     starts = group.accumulate(guess, known[0])[:-1]
-    steps = solve_balance(model, before, after, np.column_stack([times[:-1], times[1:]]), starts, guess)
+    steps = solve_balance(model, Placed(before, after, np.column_stack([times[:-1], times[1:]]), starts), guess)
     if not in_order(model):
         return steps
     near = np.where(steps.sound[:, None], steps.relative, guess)

@@ -100,7 +100,7 @@ def times_of(times: Floats | None, rows: int) -> Floats | None:
     return times
 
 
-def cycles_of(cycles: int, closed: bool = True) -> int:
+def cycles_of(cycles: int, closed: bool) -> int:
     """How often a gait is played; rows that are not closed, once."""
     if not isinstance(closed, bool | np.bool_):
         raise InputError(f"`closed` must be True or False, got {closed!r}.")

@@ -100,8 +100,12 @@ class MeasuredSteps:
 
     def some(self, keep: np.ndarray) -> MeasuredSteps:
         """Those with the numbers `keep`."""
-        elements = (balance.by_step(x, len(self))[keep].reshape(-1, 4).T for x in (self.before, self.after))
+        elements = (balance.some_steps(x, len(self), keep) for x in (self.before, self.after))
         return MeasuredSteps(*elements, *(x[keep] for x in (self.spans, self.starts, self.ends, self.inertia)))
+
+    def placed(self, coast: balance.Coast | None) -> balance.Placed:
+        """As steps to be solved, with what earlier momenta add."""
+        return balance.Placed(self.before, self.after, self.spans, self.starts, coast)
 
     def __len__(self) -> int:
         return len(self.spans)
@@ -223,8 +227,7 @@ class Recorded:
         coast = self._coast()
         if near is None:
             return self._balanced(np.arange(len(self.steps)), coast)
-        s = self.steps
-        found = balance.solve_near(self.model, s.before, s.after, s.spans, s.starts, near, coast)
+        found = balance.solve_near(self.model, self.steps.placed(coast), near)
         lost = np.flatnonzero(~found.sound)
         if lost.size:
             again = self._balanced(lost, coast)
@@ -238,7 +241,7 @@ class Recorded:
         plain = solve_steps(self.model, s.before, s.after)
         guess = np.where(np.isfinite(plain.relative), plain.relative, 0.0)
         mine = None if coast is None else coast.part(some)
-        return balance.solve_balance(self.model, s.before, s.after, s.spans, s.starts, guess, mine)
+        return balance.solve_balance(self.model, s.placed(mine), guess)
 
     def _coast(self) -> balance.Coast | None:
         """What the momenta of the measured motion carry into each step."""

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from serpenoid.body import Floats
-from serpenoid.mechanics import columns, functions
+from serpenoid.mechanics import columns, functions, planar
 from serpenoid.mechanics.evaluate import evaluate
 from serpenoid.model import Model, Structure
 from serpenoid.simulation.newton import at_root
@@ -72,7 +72,7 @@ def _search(model: Model, before: Floats, after: Floats, s: int) -> tuple[Floats
     moments = functions.step_moments(model.structure)(before[:, part], after[:, part], model.parameters)
     if not np.isfinite(moments.full()).all():
         return None
-    reduced = functions.reduced_step()
+    reduced = planar.step_at()
     turns = np.linspace(-np.pi, np.pi, SAMPLES + 1)
     slope = reduced.map(turns.size)(turns[None, :], ca.repmat(moments, 1, turns.size))[1].full()[0]
     minima = np.flatnonzero((slope[:-1] < 0) & (slope[1:] >= 0))

@@ -23,7 +23,7 @@ from serpenoid.optimise.multistart import as_solution
 from serpenoid.optimise.refine import kept_in, refine
 from serpenoid.optimise.robust import solver_of
 from serpenoid.optimise.solution import Solution
-from serpenoid.optimise.solver import Answer, GaitSolver
+from serpenoid.optimise.solver import Answer, GaitSolver, Run
 from serpenoid.optimise.starts import random_gaits
 from serpenoid.optimise.weights import check_weights
 from serpenoid.problem import MOST_C, Problem
@@ -211,7 +211,7 @@ def _begun(
     held = {i: store.load(c, solver) for i, store in enumerate(stores) if store is not None}
     if held.get(0) is not None:  # written last: all are there
         return {i: answer for i, answer in held.items() if answer is not None}
-    answers = [solver.solve(q, c, flag=flag) for q in gaits if not flag]
+    answers = [solver.solve(q, c, Run(flag=flag)) for q in gaits if not flag]
     ordered = sorted(answers, key=_order)
     good = _distinct({i: answer for i, answer in enumerate(ordered) if answer.outcome.status.ok})
     found = dict(enumerate(good.values())) or dict(enumerate(ordered[:1]))
@@ -269,9 +269,9 @@ def _next(
     if there is not None:
         return there
     before = last[1]
-    answer = solver.solve(before.outcome.point, c, carried=before.carried, flag=flag)
+    answer = solver.solve(before.outcome.point, c, Run(carried=before.carried, flag=flag))
     if not (answer.outcome.status.ok or flag):
-        answer = solver.solve(before.q, c, flag=flag)
+        answer = solver.solve(before.q, c, Run(flag=flag))
     if store is not None and answer.outcome.status.ok:
         store.save(c, answer)
     return answer

@@ -17,9 +17,7 @@ from serpenoid.studies.beside import Beside
 from serpenoid.studies.sweep import NOT_REACHED, Sweep, SweepPoint
 
 
-def write_sweep(
-    folder: str | Path, result: Sweep, figures: bool = True, beside: Beside | None = None
-) -> dict[str, Any]:
+def write_sweep(folder: str | Path, result: Sweep, figures: bool, beside: Beside | None = None) -> dict[str, Any]:
     """Write everything and return the summary; beside: a gait that the family is compared with."""
     folder = Path(folder)
     for solution in result.solved:

@@ -273,10 +273,9 @@ def _cut(recording: TrackedRecording, states: States, run: Run, pieces: int, fin
         part = slice(lead, lead + windows * steps + 1)
         time, poses = run.time[part], run.poses[part]
         phase = np.mod((time[bounds[:-1]] + time[bounds[1:]]) / 2 / states.period, 1.0)
-        inside = (states.time >= time[0]) & (states.time <= time[-1])
         track = Track(
             recording, time, run.vertices[part], bounds, ~nothing, np.zeros(windows, int), phase, poses[bounds], poses,
-            states.time[inside], states.poses[inside], nothing, np.zeros((windows, 3)), Lead(run, lead),
+            nothing, np.zeros((windows, 3)), Lead(run, lead),
         )  # fmt: skip
         found.append(track)
     return found

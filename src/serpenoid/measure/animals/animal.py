@@ -17,6 +17,7 @@ from serpenoid.measure.animals.picture import as_if_alike, picture
 from serpenoid.measure.animals.smoothed import said_of_smoothing
 from serpenoid.measure.animals.uneven import uneven
 from serpenoid.measure.cells import Floats, listed
+from serpenoid.measure.clock import ROBUST
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 from serpenoid.measure.film.quality import Jump
 from serpenoid.measure.shapes.lengths import shown_lengths
@@ -29,7 +30,6 @@ LONG = 10_000  # frames: fits take minutes, and say no more than a tenth of them
 SLOWEST = 2.0  # seconds between frames: of an animal that moves slower films are asked about their clock
 FINER = {'milliseconds (`time_unit = "ms"`)': 1e-3, 'microseconds (`time_unit = "us"`)': 1e-6}
 SURE = 3.0  # standard errors of a variance: beyond them, a body stretches and its points do not only scatter
-ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
 BOTH = 6.0  # over the second differences there are: the variance of lengths' variance over that of their noise
 ONE_BODY = 2.0
 # times: points next to each other on one body are never farther apart than so many times their least distance. A part

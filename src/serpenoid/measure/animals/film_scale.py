@@ -30,7 +30,7 @@ from serpenoid.body import Body
 from serpenoid.body_curve import PLAIN, SMOOTH
 from serpenoid.measure.blocks import blocks
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.shapes.lengths import chord_shares, in_place
+from serpenoid.measure.shapes.lengths import chord_shares, in_place, mean_of
 from serpenoid.measure.shapes.own_noise import own_noise, share_of_scatter
 from serpenoid.measure.trial_files import ever_seen, stated_between
 
@@ -109,8 +109,7 @@ def _told(body: Body, points: Floats, degree: int) -> tuple[Floats, int, float]:
         lengths = lengths / chord_shares(body, points, degree=degree)
     stated = stated_between(shown.tolist(), body.edges_m, body)
     used = in_place(np.where(np.isfinite(stated), lengths, np.nan))
-    often = used.sum(axis=0)
-    away = np.where(used, lengths - np.where(used, lengths, 0.0).sum(axis=0) / np.maximum(often, 1), 0.0)
+    away = np.where(used, lengths - mean_of(lengths, used), 0.0)
     told = np.where(used, np.nan_to_num(stated), 0.0)
     beside = np.where(used[:, 1:] & used[:, :-1], -np.nan_to_num(cosines), 0.0)
     found = np.zeros((len(points), 4))
@@ -120,7 +119,7 @@ def _told(body: Body, points: Floats, degree: int) -> tuple[Floats, int, float]:
         found[b, 1] = (solved[..., 0] * told[b]).sum(axis=1)
         found[b, 2] = (solved[..., 1] * away[b]).sum(axis=1)
     found[:, 3] = used.sum(axis=1)
-    return found, int((often > 0).sum()), _lasting(away, used)
+    return found, int(used.any(axis=0).sum()), _lasting(away, used)
 
 
 def _lasting(away: Floats, used: NDArray[np.bool_]) -> float:

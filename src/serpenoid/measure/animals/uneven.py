@@ -8,7 +8,8 @@ import numpy as np
 
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.shapes.lengths import ROBUST, shown_lengths
+from serpenoid.measure.clock import ROBUST
+from serpenoid.measure.shapes.lengths import shown_lengths
 
 SURE = 3.0  # standard errors of a median
 OF_MEDIAN = 1.2533  # standard error of a median over that of a mean, of normal numbers

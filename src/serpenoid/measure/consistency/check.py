@@ -227,7 +227,7 @@ def _laid_over(
     found = compared(claim.trial, signal, course, own, faults, name, prior)
     if found.contract.explained < SURE:
         key = "motion" if signal is claim.cameras else "servo_log"
-        others = _of_other_trials(claim, schedule, claims, key, float(np.ptp(signal.time_s)))
+        others = _of_other_trials(schedule, claims, key, float(np.ptp(signal.time_s)))
         faults += _of_any(len(claims), others)
         found = compared(claim.trial, signal, course, own, faults, name, prior)
     return found
@@ -238,7 +238,7 @@ def _explained(found: Compared) -> float:
     return max([found.contract.explained, *(rival.explained for rival in found.rivals)])
 
 
-def _of_other_trials(claim: Claim, own: Schedule, claims: Sequence[Claim], key: str, seconds: float) -> list[Fault]:
+def _of_other_trials(own: Schedule, claims: Sequence[Claim], key: str, seconds: float) -> list[Fault]:
     """What trials of another timing were told, as far as so many seconds show it, its rows held as its `own` are: a
     file of theirs, under `key`, instead of its own."""
     others: dict[tuple[str, float, float], tuple[str, Schedule]] = {}

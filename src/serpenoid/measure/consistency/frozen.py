@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from serpenoid.measure.cells import Floats, clock
 from serpenoid.measure.consistency.signals import LEAST_ROWS
 from serpenoid.measure.film.quality import stretches
-from serpenoid.wording import counted
+from serpenoid.wording import counted, some_and_more
 
 FAR = 10.0  # steps of rounding: who turns about a point that rounds alike moves by less
 LEAP = 3.0
@@ -49,10 +49,9 @@ def frozen_said(counts: NDArray[np.int64], names: Sequence[str]) -> str | None:
     which = np.flatnonzero(counts)
     if not len(which):
         return None
-    shown = ", ".join(f"`{names[k]}` in {counted(counts[k], 'frame')}" for k in which[:NAMED])
-    more = f" and {len(which) - NAMED} more" if len(which) > NAMED else ""
+    shown = some_and_more([f"`{names[k]}` in {counted(counts[k], 'frame')}" for k in which.tolist()], NAMED)
     return (
-        f"to the last digit these markers stand still while the others move: {shown}{more}. Frozen by the tracker, or "
+        f"to the last digit these markers stand still while the others move: {shown}. Frozen by the tracker, or "
         "zeros for what was not seen? Leave such cells empty in the file"
     )
 
@@ -76,10 +75,10 @@ def hung_said(found: Sequence[tuple[int, int]], time_s: Floats) -> str | None:
     """When a film hangs, and what to do; None: never."""
     if not found:
         return None
-    when = ", ".join(f"{clock(time_s[first])} to {clock(time_s[last])} s" for first, last in found[:NAMED])
-    more = f" and {len(found) - NAMED} more times" if len(found) > NAMED else ""
+    moments = [f"{clock(time_s[first])} to {clock(time_s[last])} s" for first, last in found]
+    when = some_and_more(moments, NAMED, "more times")
     return (
-        f"from {when}{more} no point moves in any digit, and then all leap: did the camera hang? Leave all of these "
+        f"from {when} no point moves in any digit, and then all leap: did the camera hang? Leave all of these "
         "frames but the first out of the file, or their cells empty"
     )
 

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.measure.cells import Floats, clock
-from serpenoid.measure.clock import EARLY, FREEDOM, TINY, find_offset, interpolate
+from serpenoid.measure.clock import EARLY, FREEDOM, ROBUST, TINY, find_offset, interpolate
 from serpenoid.measure.consistency.signals import LEAST_ROWS, Signal
 
 MOST_ROWS = 400  # of the film are compared
@@ -120,7 +120,7 @@ def _fitted(cameras: Signal, servos: Signal, rough: Sequence[Lost]) -> tuple[Los
         at = time - numbers @ later
         miss, speed = seen - interpolate(log_s, read, at), interpolate(log_s, rising, at)
         miss = miss - np.nanmedian(miss, axis=0)
-        use = np.isfinite(miss) & (np.abs(miss) <= OUTLYING * 1.4826 * np.nanmedian(np.abs(miss)))
+        use = np.isfinite(miss) & (np.abs(miss) <= OUTLYING * ROBUST * np.nanmedian(np.abs(miss)))
         columns = (-later[:, :, None] * np.where(use, speed, 0.0)).reshape(len(later), -1)
         numbers = numbers + np.linalg.lstsq(columns.T, np.where(use, miss, 0.0).ravel(), rcond=None)[0]
     return tuple(Lost(one.at_s, float(s)) for one, s in zip(rough, numbers[2:], strict=True))

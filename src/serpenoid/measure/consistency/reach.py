@@ -44,11 +44,6 @@ class Reach:
         low[pair] = high[pair] = distance
         return Reach(low, high)
 
-    @classmethod
-    def of_links(cls, lengths: Floats) -> Reach:
-        """Where every pair is a link's two ends (M - 1,)."""
-        return cls(lengths, lengths)
-
 
 def reach(body: Body, edges: Floats, vertices: Floats, shown: Sequence[int]) -> Reach:
     """Of the markers of some vertices: edges (N - 1,) in the unit of `vertices` (F, N, 2)."""

@@ -14,7 +14,7 @@ from scipy.fft import rfft
 from scipy.special import ndtri
 
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.clock import held
+from serpenoid.measure.clock import ROBUST, held
 
 MOST_POINTS = 4000  # of a grid: a hundred cycles at 40 points
 LEAST_ROWS = 8  # that can be laid over anything
@@ -69,7 +69,7 @@ class Signal:
         bend = bend[np.isfinite(bend).all(axis=1)]
         if len(bend) < LEAST_ROWS:
             return np.full(self.values.shape[1], 1e-8)
-        return np.asarray((1.4826 * np.median(np.abs(bend), axis=0)) ** 2 / 6 + ROUNDING)
+        return np.asarray((ROBUST * np.median(np.abs(bend), axis=0)) ** 2 / 6 + ROUNDING)
 
     @cached_property
     def period_s(self) -> float | None:
@@ -141,7 +141,7 @@ def _without_outliers(values: Floats) -> Floats:
     Where most rows rest in a pause there is none; twice what nine rows in ten stay within, then.
     """
     away = values - np.median(values, axis=0)
-    robust, wide = 4 * 1.4826 * np.median(np.abs(away), axis=0), 2 * np.quantile(np.abs(away), 0.9, axis=0)
+    robust, wide = 4 * ROBUST * np.median(np.abs(away), axis=0), 2 * np.quantile(np.abs(away), 0.9, axis=0)
     limit = np.where(robust > wide / 4, robust, wide)
     clipped = np.clip(away, -limit, limit)
     return np.asarray(clipped - clipped.mean(axis=0))

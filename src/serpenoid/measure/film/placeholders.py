@@ -21,7 +21,7 @@ from serpenoid.errors import InputError
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.film.quality import stretches
 from serpenoid.measure.tracks import Tracks
-from serpenoid.wording import counted
+from serpenoid.wording import counted, some_and_more
 
 FAR = 3.0
 LONG = 8  # frames: as long as what is told of a marker that stands
@@ -128,9 +128,8 @@ def _said(there: NDArray[np.bool_], tracks: Tracks, place: Floats) -> str:
     at = f"({place[0]:.6g}, {place[1]:.6g})" + (f" {unit}" if place.any() else "")
     counts = there.sum(axis=0)
     which = np.flatnonzero(counts)
-    shown = ", ".join(f"`{names[k]}` in {counted(counts[k], 'frame')}" for k in which[:NAMED])
-    more = f" and {len(which) - NAMED} more" if len(which) > NAMED else ""
+    shown = some_and_more([f"`{names[k]}` in {counted(counts[k], 'frame')}" for k in which.tolist()], NAMED)
     return (
-        f"{there.mean():.1%} of its points are at exactly {at}, where no marker leaps to and back: {shown}{more}. "
+        f"{there.mean():.1%} of its points are at exactly {at}, where no marker leaps to and back: {shown}. "
         "Taken for not seen, and hidden; leave such cells empty in the file"
     )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.measure.cells import Floats
+from serpenoid.measure.clock import ROBUST
 
 SHORT_GAP_S = 0.1  # a body moves little in this time; longer gaps split the track
 ONE_MISSING = 2.5  # times the usual way from frame to frame: less is one frame, whose time stamps are uneven
@@ -97,7 +98,7 @@ def _body_jumps(poses: Floats, time_s: Floats, variance: Floats | None = None) -
     spacing = np.diff(time_s[known])
     step = np.diff(poses[known, :2], axis=0) / spacing[:, None] * np.median(spacing)
     odd = _off_the_run(step)
-    limit = max(SMALLEST_JUMP, JUMP_SIGMA * 1.4826 * float(np.median(odd)))
+    limit = max(SMALLEST_JUMP, JUMP_SIGMA * ROBUST * float(np.median(odd)))
     vague = np.zeros(len(odd)) if variance is None else JUMP_SIGMA * np.sqrt(variance[known][1:] + variance[known][:-1])
     jumps = np.flatnonzero(odd > np.maximum(limit, vague))
     return [Jump(int(known[i + 1]), float(time_s[known[i + 1]]), None, float(odd[i])) for i in jumps]

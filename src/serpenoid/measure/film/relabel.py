@@ -18,6 +18,7 @@ from serpenoid.measure.tracks import Tracks
 from serpenoid.wording import counted, meant
 
 GATE = 0.35  # of the median edge: farther from where its path leads, a point is not this vertex
+REACH = 12  # frames: over a longer gap a path does not lead
 EDGE_TOLERANCE = 0.15  # of an edge: marker noise and loose tape stay well inside, the next vertex well outside
 
 
@@ -182,12 +183,12 @@ def _edge_cost(vertices: Floats, path: Floats, vertex: int, edges: Floats) -> fl
     return float(worst)
 
 
-def _continuity_cost(known: Floats, path: Floats, edges: Floats, reach: int = 12) -> float:
+def _continuity_cost(known: Floats, path: Floats, edges: Floats) -> float:
     """Jump between this fragment's ends and the vertex's nearest known positions, in gates; NaN: none within reach."""
     seen, mine = np.flatnonzero(np.isfinite(known[:, 0])), np.flatnonzero(np.isfinite(path[:, 0]))
     worst = np.nan
     for end, near in ((mine[0], seen[seen < mine[0]][-1:]), (mine[-1], seen[seen > mine[-1]][:1])):
-        if len(near) and abs(int(near[0]) - int(end)) <= reach:
+        if len(near) and abs(int(near[0]) - int(end)) <= REACH:
             inside = end + 1 if end == mine[0] else end - 1
             speed = (
                 (path[inside % len(path)] - path[end]) * (inside - end)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import bridged, unwrapped
-from serpenoid.measure.shapes.links import marker_angles
+from serpenoid.measure.shapes.links import marker_angles, wrapped
 
 LONGEST = 32  # frames that a bend is bridged over: work goes with its square
 
@@ -79,8 +79,7 @@ def bends_in_time(
     within = bridged(at, shown)
     if beyond:
         _extended(at, shown, noise, wanted=~known & ~determined[:, None], within=within, missed=missed)
-    within = (within + np.pi) % (2 * np.pi) - np.pi
-    return Bends(np.where(np.isfinite(missed), within, np.nan), missed)
+    return Bends(np.where(np.isfinite(missed), wrapped(within), np.nan), missed)
 
 
 def _extended(

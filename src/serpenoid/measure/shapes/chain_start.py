@@ -7,7 +7,7 @@ import numpy as np
 from serpenoid.body import Body
 from serpenoid.measure.cells import Floats
 from serpenoid.measure.clock import bridged, unwrapped
-from serpenoid.measure.shapes.links import laid_over, link_of_edge, vertices_by_links
+from serpenoid.measure.shapes.links import laid_over, link_of_edge, vertices_by_links, wrapped
 
 
 def start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
@@ -23,7 +23,7 @@ def start(body: Body, vertices: Floats, servo: Floats | None) -> Floats:
     if servo is not None:
         psi = _fill_by_bends(psi, servo)
     # not directions: while a vertex is hidden the body may turn, and a bend of it to the other side fits as well
-    bends = (np.diff(psi, axis=1) + np.pi) % (2 * np.pi) - np.pi
+    bends = wrapped(np.diff(psi, axis=1))
     rows = np.arange(float(len(psi)))
     psi = bridged(rows, unwrapped(_fill_by_bends(psi, bridged(rows, unwrapped(bends)))))
     unknowns = np.concatenate([np.zeros((len(psi), 2)), within_half_a_turn(psi)], axis=1)

@@ -27,12 +27,11 @@ from numpy.typing import NDArray
 from serpenoid.body import Body
 from serpenoid.body_curve import SMOOTH, curve
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.clock import bridged
+from serpenoid.measure.clock import ROBUST, bridged
 from serpenoid.measure.shapes.links import marker_angles
 from serpenoid.measure.shapes.own_noise import own_noise, share_of_scatter
 from serpenoid.measure.shapes.smooth import cross_validated, smooth
 
-ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
 STRETCHED = 3.0  # times its median: no edge grows so long; a point is astray
 ODD = 5.0  # robust SDs about the median: an edge whose end is where it is not
 LEAST_ODD = 0.02  # of a length: what is less does no harm, and of a body that rests the SD is none
@@ -78,7 +77,11 @@ def without_noise(body: Body, time_s: Floats, points: Floats) -> Floats:
 
 def usual(lengths: Floats) -> Floats:
     """Mean (E,) of every edge (F, E) over the frames that show it about as long as usual; NaN where none does."""
-    used = in_place(lengths)
+    return mean_of(lengths, in_place(lengths))
+
+
+def mean_of(lengths: Floats, used: NDArray[np.bool_]) -> Floats:
+    """Mean (E,) of every edge (F, E) over the frames in which it is `used` (F, E); NaN where in none."""
     often = used.sum(axis=0)
     total = np.where(used, lengths, 0.0).sum(axis=0)
     return np.where(often > 0, total / np.maximum(often, 1), np.nan)

@@ -38,6 +38,11 @@ def _turns(stretches: Floats) -> Floats:
     return np.asarray(np.arctan2(cross, a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]))
 
 
+def wrapped(angles: Floats) -> Floats:
+    """Angles [rad] less whole turns, from -pi up to pi."""
+    return np.asarray((angles + np.pi) % (2 * np.pi) - np.pi)
+
+
 def laid_over(points: Floats, markers: Floats) -> tuple[Floats, Floats, Floats]:
     """Turn (F,) that lays points (F, N, 2) over the visible markers by least squares; the means (F, 2) of both."""
     seen = np.isfinite(markers[..., 0])

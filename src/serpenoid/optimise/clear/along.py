@@ -28,7 +28,7 @@ Functions = tuple[Columns, Columns, Columns]
 
 @lru_cache(maxsize=16)
 def gap_functions(
-    gaps: tuple[Gaps, ...], structure: Structure, coordinates: int, serpenoid: bool, portable: bool = False
+    gaps: tuple[Gaps, ...], structure: Structure, coordinates: int, serpenoid: bool, portable: bool
 ) -> GapFunctions:
     """Functions of instants, kept for as long as the same gaps are asked for."""
     return GapFunctions(gaps, structure, coordinates, serpenoid, portable)
@@ -42,7 +42,7 @@ class GapFunctions:
     structure: Structure
     coordinates: int
     serpenoid: bool
-    portable: bool = False
+    portable: bool
 
     @cached_property
     def at_rows(self) -> Functions:

@@ -33,7 +33,7 @@ def over_rows(made: Sequence[ca.Function], portable: bool) -> RowFunctions:
     return RowFunctions(*over_columns(made, shared=2, portable=portable))
 
 
-def row_functions(name: str, function: ca.Function, portable: bool = False) -> RowFunctions:
+def row_functions(name: str, function: ca.Function, portable: bool) -> RowFunctions:
     """RowFunctions of an SX function by automatic differentiation, compiled unless portable."""
     inputs = function.sx_in()
     (value,) = function.call(inputs)

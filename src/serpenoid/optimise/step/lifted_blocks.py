@@ -25,7 +25,6 @@ from serpenoid.objectives import frames
 from serpenoid.optimise.step.blocks import Cycle
 
 COORDINATES = 5
-LOCAL = spatial.POSE + 2 * COORDINATES
 # of the residuals: the floor's support is stiffer than the drag by so much, and would stop every step of a search
 SCALE = ca.DM([1.0] * 3 + [1 / spatial.SUPPORT] * 3)
 
@@ -79,7 +78,7 @@ def element_functions(portable: bool = False) -> list[Columns]:
 
 
 @lru_cache(maxsize=2)
-def composition(portable: bool = False) -> list[ca.Function]:
+def composition(portable: bool) -> list[ca.Function]:
     """`_composition`, compiled unless portable."""
     return _composition() if portable else compiled(_composition())
 

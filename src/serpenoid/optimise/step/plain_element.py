@@ -14,8 +14,6 @@ import casadi as ca
 
 from serpenoid.effects.element import left
 
-SIZE = 6  # of (d, v, both directions)
-
 
 def motion(pose: ca.SX, before: ca.SX, after: ca.SX, multipliers: ca.SX) -> ca.SX:
     """(d, v, both directions) of an element: places (x, y, direction), the second one in the body frame `pose`."""

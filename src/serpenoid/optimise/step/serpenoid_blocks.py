@@ -25,7 +25,6 @@ from serpenoid.optimise.step.blocks import Cycle
 from serpenoid.optimise.step.rows import COEFFICIENTS, gait_row, polynomial
 
 LOCAL = 9  # h, coordinates of row t, coordinates of row t + 1
-OUTER = 12
 VALUES = 4, 4, 3  # of an element, as rows give them with no, first, second derivatives by (w1, w2, xi)
 ROW = tuple(size * c for size, c in zip(VALUES, COEFFICIENTS, strict=True))
 

@@ -52,7 +52,7 @@ def build(servo_id: int, instruction: int, parameters: bytes = b"") -> bytes:
     return start + crc16(start).to_bytes(2, "little")
 
 
-def build_status(servo_id: int, error: int, parameters: bytes = b"") -> bytes:
+def build_status(servo_id: int, error: int, parameters: bytes) -> bytes:
     return build(servo_id, STATUS, bytes([error]) + parameters)
 
 

@@ -25,7 +25,6 @@ class PtyServer:
         self.chain = chain
         self.baud_rate = baud_rate
         self.link = link
-        self.deaf_bytes = 0
         self._master: int | None = None
         self._slave: int | None = None
         self._replies: list[Reply] = []
@@ -87,8 +86,6 @@ class PtyServer:
             if self._speed() == self.baud_rate:
                 self._replies += self.chain.receive(data, time.monotonic())
                 self._replies.sort(key=lambda reply: reply.due)  # a late answer comes after its neighbours
-            else:
-                self.deaf_bytes += len(data)
 
     def _deliver(self, now: float) -> None:
         while self._replies and self._replies[0].due <= now:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from serpenoid.body import Floats
-from serpenoid.measure.clock import interpolate_smoothly
+from serpenoid.measure.clock import ROBUST, interpolate_smoothly
 
 SMOOTHED_S = 0.075  # of the readings' speed
 OUTLYING = 5.0  # robust standard deviations
@@ -44,7 +44,7 @@ class Laid:
         speed = np.stack([np.convolve(c, np.ones(width) / width, mode="same") for c in speed.T], axis=1)
         miss = np.where(inside[:, None], angles - reading, np.nan)
         miss = miss - np.nanmedian(miss, axis=0)
-        scatter = 1.4826 * np.nanmedian(np.abs(miss), axis=0)
+        scatter = ROBUST * np.nanmedian(np.abs(miss), axis=0)
         use = np.isfinite(miss) & (np.abs(miss) < np.maximum(OUTLYING * scatter, 0.05))
         weight = use / np.maximum(scatter, 1e-4) ** 2
         away = camera - camera.mean()

@@ -20,6 +20,7 @@ from serpenoid.diagnose.data.shapes.course import Course
 from serpenoid.diagnose.data.shapes.geometry import LEAST_MARKERS, register, shapes
 from serpenoid.diagnose.data.shapes.shape_in_time import PER_KNOT, ShapeInTime, Source, fitted, spacing
 from serpenoid.errors import InputError
+from serpenoid.measure.clock import ROBUST
 from serpenoid.measure.logs import TICK
 from serpenoid.measure.remark import Remark
 from serpenoid.measure.schedule import Schedule
@@ -219,7 +220,7 @@ class Recording:
         if not np.isfinite(miss).sum(axis=0).all():
             return []
         zero = np.nanmedian(miss, axis=0)
-        sd = 1.4826 * np.nanmedian(np.abs(miss - zero), axis=0)
+        sd = ROBUST * np.nanmedian(np.abs(miss - zero), axis=0)
         return [Source.of(self.time, shown - zero, np.maximum(sd, READING_SD))]
 
     def with_middles(self) -> Recording:
@@ -247,7 +248,7 @@ class Recording:
         left = register(shapes(self.body, self.angles), self.markers)[1]
         count = 2 * np.median(seen[seen >= LEAST_MARKERS])
         between = float(np.nanmedian(np.abs(np.diff(left, axis=0))))
-        return float(1.4826 * between / np.sqrt(2) * np.sqrt(count / (count - 3)))
+        return float(ROBUST * between / np.sqrt(2) * np.sqrt(count / (count - 3)))
 
     def angles_at(self, time: Floats) -> Floats:
         """Smoothed joint angles (R, m) at other times."""

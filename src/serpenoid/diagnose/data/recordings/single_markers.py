@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from serpenoid.body import Body, Floats
 from serpenoid.diagnose.data.recordings.recording import Recording
 from serpenoid.diagnose.data.shapes.geometry import LEAST_MARKERS, register, shapes, turn
+from serpenoid.measure.clock import ROBUST
 from serpenoid.measure.film.quality import SHORT_GAP_S, misfit_limit, stretches
 from serpenoid.measure.shapes.chain import estimate_chain, fits_within
 from serpenoid.measure.shapes.strays import farthest, noise_of_most, without_strays
@@ -55,7 +56,7 @@ def beside_log(r: Recording) -> Recording:
         about = miss[:, ever] - np.nanmedian(miss[:, ever], axis=0)
         length = np.zeros(left.shape[:2])
         length[:, ever] = np.nan_to_num(np.linalg.norm(about, axis=2))
-        noise = 1.4826 * float(np.nanmedian(np.abs(about))) / r.body.total_length_m
+        noise = ROBUST * float(np.nanmedian(np.abs(about))) / r.body.total_length_m
         worst, most = length.argmax(axis=1), length.max(axis=1)
         off = most > misfit_limit(noise) * r.body.total_length_m
         tried = off & (np.isfinite(left[..., 0]).sum(axis=1) > LEAST_MARKERS)

@@ -68,7 +68,7 @@ class Shown:
         vertices = shapes(r.body, seen.angles(r.angles_at(mesh.time), begun))
         frame_angles = seen.angles(r.angles, begun)
         frame_poses, _ = register(seen.seen(r.body, frame_angles), markers)
-        poses = _mapped_poses(r, seen, frame_angles, frame_poses)
+        poses = _mapped_poses(seen, frame_poses)
         puts = puts_of(r, poses)
         noise = of_shapes(r, mesh.time[mesh.bounds], half_average(r))
         return cls(mesh, vertices, puts.laid_back(r.time, poses), puts, noise)
@@ -120,7 +120,7 @@ def _track(r: Recording, shown: Shown, model: Model) -> Track:
     run, anew = _mesh_error(model, vertices, time, guess, path, bounds)
     return Track(
         r, time[some], vertices[some], bounds // COARSER, mesh.playing, mesh.cycle, mesh.phase, guess[bounds] + around,
-        path[some], r.time, plan, gaps, anew, strayed=run - anew,
+        path[some], gaps, anew, strayed=run - anew,
         least=np.hypot(_least(r, counts), by_readings(r, model, time[bounds], shown.noise)),
         laid=shown.puts.away(time[some], path[some]), put=shown.puts.within(time[bounds]),
     )  # fmt: skip
@@ -203,7 +203,7 @@ def _crossed(seen: Floats, frame_s: float, times: Floats) -> np.ndarray:
     return np.asarray((hidden > enough).any(axis=1))
 
 
-def _mapped_poses(r: Recording, seen: Observation, angles: Floats, poses: Floats) -> Floats:
+def _mapped_poses(seen: Observation, poses: Floats) -> Floats:
     """Poses of the true body: the length scale taken out."""
     mapped = poses.copy()
     mapped[:, :2] /= 1 + seen.scale

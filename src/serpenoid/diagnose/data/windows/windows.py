@@ -36,8 +36,7 @@ class Track:
     recurs in every cycle.
 
     time (R,), vertices (R, N, 2) in the body frame [m]; boundaries (B,): rows; measured (B, 3) poses there [m, rad],
-    NaN in gaps; poses (R, 3): measured path at all rows, holes bridged; playing (B - 1,); frame_time (F,), frame_poses
-    (F, 3): measured.
+    NaN in gaps; poses (R, 3): measured path at all rows, holes bridged; playing (B - 1,).
     """
 
     recording: Recorded
@@ -49,8 +48,6 @@ class Track:
     phase: Floats
     measured: Floats
     poses: Floats
-    frame_time: Floats
-    frame_poses: Floats
     gap_windows: np.ndarray  # (B - 1,) a gap of all markers lies inside
     offset: Floats
     lead: Lead | None = None  # how the body was moving before; None: it was at rest

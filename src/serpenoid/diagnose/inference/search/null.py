@@ -31,8 +31,8 @@ class Scored:
     groups: tuple[tuple[int, ...], ...]
 
 
-def largest_by_chance(candidates: Sequence[Scored], error: float = ERROR) -> float:
-    """Chi squared that the best of all candidates gains with probability `error` if none of them is a cause."""
+def largest_by_chance(candidates: Sequence[Scored]) -> float:
+    """Chi squared that the best of all candidates gains with probability ERROR if none of them is a cause."""
     rng = np.random.default_rng(0)
     gaits = len(candidates[0].evidence.constant)
     multipliers = rng.normal(size=(DRAWS, gaits))
@@ -42,7 +42,7 @@ def largest_by_chance(candidates: Sequence[Scored], error: float = ERROR) -> flo
         for scores in _whitened(scored):
             drawn = np.sqrt(above) * multipliers @ scores + rng.normal(size=(DRAWS, scores.shape[1]))
             best = np.maximum(best, (drawn**2).sum(axis=1))
-    return float(np.quantile(best, 1 - error))
+    return float(np.quantile(best, 1 - ERROR))
 
 
 def _share_above_chance(evidence: Evidence) -> float:
