@@ -180,8 +180,8 @@ def _way(time_s: Floats, columns: Floats, variance: float) -> Floats:
     return np.asarray(np.abs(np.diff(smooth(columns, *smoother(time_s, window)), axis=0)).sum(axis=0))
 
 
-def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
-    """Sentences on direction and length; what looks wrong comes with its cure."""
+def remarks(body: Body, motion: Motion, stated: bool = True) -> tuple[str, ...]:
+    """Sentences on direction and length; what looks wrong comes with its cure. stated: the file gives the lengths."""
     back = folded(motion.markers)
     if back:
         return (back,)  # all else that could be said comes of it
@@ -199,7 +199,7 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
             "as head and tail would if exchanged, or in a film that runs backwards: if it swam forwards, set "
             "`first_point` (or reverse `markers`)"
         )
-    apart = uneven(body, motion.markers) if body.is_animal else ""
+    apart = uneven(body, motion.markers) if body.is_animal and stated else ""
     seen = [apart] if apart else _sampling(motion)
     aside = beside_midline(body.edges, motion.smooth_angles) if body.is_animal else None
     seen += [said(aside, body.edges)] if aside else []
