@@ -45,7 +45,7 @@ def test_ends_that_are_confused_in_many_frames_are_told_and_put_back(share, hidd
     put, found = named_as_in_most(film, time)
     assert sum(one.last + 1 - one.first for one in found) == turned.sum()
     assert np.array_equal(put, points, equal_nan=True)
-    assert told(found, LABELS, time).startswith("all points, head for tail, exchanged between")
+    assert told(found, LABELS, time).startswith("all points, head for tail, exchanged ")
 
 
 def test_a_body_that_curls_up_or_shakes_confuses_no_ends():

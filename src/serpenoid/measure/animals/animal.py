@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from serpenoid.body import Body
 from serpenoid.measure.animals.beside_midline import beside_midline, said
 from serpenoid.measure.animals.folded import folded
+from serpenoid.measure.animals.followed import followed
 from serpenoid.measure.animals.picture import as_if_alike, picture
 from serpenoid.measure.animals.smoothed import said_of_smoothing
 from serpenoid.measure.animals.uneven import uneven
@@ -186,6 +187,9 @@ def remarks(body: Body, motion: Motion, stated: bool = True) -> tuple[str, ...]:
     if back:
         return (back,)  # all else that could be said comes of it
     rigid = () if body.is_animal else (RIGID,)
+    held = followed(motion.markers)
+    if held:
+        return (*rigid, held, *_clock(motion), *_length(motion))
     head_first, run = leading(motion), bends_run(motion)
     which = "head first" if head_first > 0.5 else "tail first"
     way = way_of_bends(motion)

@@ -45,7 +45,12 @@ class Exchange:
         changed = [k for k, name in enumerate(self.names) if name != k]
         mirrored = list(self.names) == list(range(len(self.names)))[::-1] and len(changed) > 3
         which = "all points, head for tail," if mirrored else listed([f"`{labels[k]}`" for k in changed])
-        return f"{which} exchanged between {clock(time_s[self.first])} and {clock(time_s[self.last])} s"
+        first, last = clock(time_s[self.first]), clock(time_s[self.last])
+        return (
+            f"{which} exchanged at {first} s"
+            if self.first == self.last
+            else f"{which} exchanged between {first} and {last} s"
+        )
 
 
 @dataclass(frozen=True)

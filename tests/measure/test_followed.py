@@ -1,0 +1,38 @@
+"""Films that move with an animal: told, since its way over the floor is not in them."""
+
+import numpy as np
+import pytest
+
+from serpenoid.measure.animals.followed import followed
+from serpenoid.measure.load import load_campaign
+from specimens import animal_campaign
+from swimmers_by_curves import Curve
+
+
+def film(ratio: float) -> tuple[np.ndarray, np.ndarray]:
+    beats, points, _ = Curve(ratio=ratio, waves=1.3, amplitude=0.9).film(15, 161, 4)
+    return 2 * beats, points + np.random.default_rng(5).normal(0, 0.001, points.shape)
+
+
+def test_points_counted_from_their_centroid_or_from_one_of_them_are_said_to_be(tmp_path):
+    """With K = 5 and every frame about its centroid, `fit` said K = 1.001 (1 .. 1.006) and nothing else."""
+    time, points = film(5.0)
+    for name, origin, said in (
+        ("cut", points.mean(axis=1, keepdims=True), "the centroid of its points stays where it is"),
+        ("whole", np.round(points.mean(axis=1, keepdims=True), 3), "the centroid of its points stays where it is"),
+        ("head", points[:, -1:], "its point 15 of 15 (the head) stays where it is"),
+        ("amid", points[:, 6:7], "its point 7 of 15 stays where it is"),
+    ):
+        folder = tmp_path / name
+        folder.mkdir()
+        notes = load_campaign(animal_campaign(folder, name, time, points - origin, "mm")).trials[0].notes
+        assert sum(note.startswith(said) for note in notes) == 1
+        assert not any("head first" in note or "tail first" in note for note in notes)
+
+
+@pytest.mark.parametrize("ratio", [0.4, 1.1, 5.0])
+def test_a_body_that_goes_somewhere_is_not_followed(ratio):
+    _, points = film(ratio)
+    assert followed(points) == ""
+    points[::2, 3] = np.nan
+    assert followed(points) == ""
