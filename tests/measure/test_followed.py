@@ -36,3 +36,13 @@ def test_a_body_that_goes_somewhere_is_not_followed(ratio):
     assert followed(points) == ""
     points[::2, 3] = np.nan
     assert followed(points) == ""
+
+
+def test_bends_that_run_neither_way_tell_of_no_exchanged_ends(tmp_path):
+    """Of 56 % of a path that was travelled tail first, by bends to and fro, a note asked whether the ends were."""
+    time, points = film(5.0)
+    points = 1.2 * points - 0.2 * points.mean(axis=1, keepdims=True)
+    standing = points[np.abs(np.arange(-82, 79))] - 0.002 * np.arange(161)[:, None, None]
+    notes = load_campaign(animal_campaign(tmp_path, "rocks", time, standing, "mm")).trials[0].notes
+    assert any("its bends stand, or run to and fro" in note for note in notes)
+    assert not any("as head and tail would" in note for note in notes)

@@ -190,7 +190,7 @@ def remarks(body: Body, motion: Motion, stated: bool = True) -> tuple[str, ...]:
     held = followed(motion.markers)
     if held:
         return (*rigid, held, *_clock(motion), *_length(motion))
-    head_first, run = leading(motion), bends_run(motion)
+    head_first = leading(motion)
     which = "head first" if head_first > 0.5 else "tail first"
     way = way_of_bends(motion)
     bends = f"run {way}" if way else "stand, or run to and fro"
@@ -198,7 +198,7 @@ def remarks(body: Body, motion: Motion, stated: bool = True) -> tuple[str, ...]:
         still = "stays where it is: by its points, no farther away than their noise"
         return (*rigid, still, *_clock(motion), *_length(motion))
     found = [*rigid, f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends {bends}"]
-    if head_first < 0.5 and run < 0:
+    if head_first < 0.5 and way == "from tail to head":
         found.append(
             "as head and tail would if exchanged, or in a film that runs backwards: if it swam forwards, set "
             "`first_point` (or reverse `markers`)"
