@@ -38,6 +38,13 @@ def test_a_body_that_goes_somewhere_is_not_followed(ratio):
     assert followed(points) == ""
 
 
+def test_a_body_that_rests_for_most_of_the_film_is_not_followed():
+    """Of two snakes of thirty that rested nearly all the time a point seemed to be held, by medians."""
+    _, points = film(5.0)
+    rests = np.concatenate([np.repeat(points[:1], 800, axis=0), points])
+    assert followed(rests + np.random.default_rng(0).normal(0, 1e-4, rests.shape)) == ""
+
+
 def test_bends_that_run_neither_way_tell_of_no_exchanged_ends(tmp_path):
     """Of 56 % of a path that was travelled tail first, by bends to and fro, a note asked whether the ends were."""
     time, points = film(5.0)

@@ -13,7 +13,6 @@ from serpenoid.measure.cells import Floats
 from serpenoid.measure.consistency.signals import LEAST_ROWS
 
 HELD = 0.05  # of what points swing by about the centroid: in two beats with K = 1.05 that moves by 0.08
-ROBUST = 1.4826  # SD over median distance from the median, of normal numbers
 
 
 def followed(points: Floats) -> str:
@@ -42,6 +41,6 @@ def followed(points: Floats) -> str:
 
 
 def _spread(tracks: Floats) -> Floats:
-    """Robust SD (K,) of tracks (F, K, 2) about their medians, of both coordinates together."""
-    away = np.linalg.norm(tracks - np.median(tracks, axis=0), axis=2)
-    return np.asarray(ROBUST * np.median(away, axis=0))
+    """SD (K,) of tracks (F, K, 2), of both coordinates together: a body that rests most of the time and then goes on
+    has moved."""
+    return np.asarray(np.sqrt(tracks.var(axis=0).sum(axis=1)))
