@@ -94,7 +94,7 @@ def read_tidy(
 
 def _refuse_turned(rows: Rows, path: Path) -> None:
     """Refuse a table whose columns are animals, with a row for each quantity in each frame."""
-    names = [row[0].strip() for row in rows[1:]]
+    names = [row[0].strip() if row else "" for row in rows[1:]]
     if len(names) < 2 or not all(OF_FRAME.fullmatch(name) for name in names):
         return
     raise InputError(
