@@ -78,6 +78,7 @@ def test_peristalsis_is_explained_by_nothing_that_bends(larva: Path, tmp_path: P
     found = diagnosed(larva, tmp_path / "out")
     assert found["verdict"] == "unexplained"
     assert not found["effects"]
+    assert not any("of the cycle" in words for words in found["residual_pattern"])  # nobody plays an animal's beats
     gain = found["gain"]["path_rms_m"]
     assert gain["after"] > 0.8 * gain["before"]  # several laws, none of them a name, predict a little of it
     assert found["drag_ratio"]["value"] is None  # it hardly bends: its interval is all that eps can be

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from serpenoid.errors import InputError
-from serpenoid.measure.consistency.exchanged import exchanges, named_as_in_most
+from serpenoid.measure.consistency.exchanged import exchanges, named_as_in_most, told
 from serpenoid.measure.load import load_campaign
 
 LABELS = [f"p{k}" for k in range(7)]
@@ -33,6 +33,28 @@ def test_points_exchanged_for_a_while_are_told_with_the_time(order, hidden):
     assert found.first == pytest.approx(100, abs=2)  # a point may be hidden just there
     assert found.last == pytest.approx(129, abs=2)
     assert sorted(k for k, name in enumerate(found.names) if name != k) == [k for k in range(7) if order[k] != k]
+
+
+@pytest.mark.parametrize("share", [0.1, 0.2, 0.45])
+@pytest.mark.parametrize("hidden", [0.0, 0.05])
+def test_ends_that_are_confused_in_many_frames_are_told_and_put_back(share, hidden):
+    """A worm digitised by hand, from the other end in every second frame, passed for one in which nothing moved."""
+    time, points = crawling(hidden=hidden)
+    turned = np.random.default_rng(0).random(len(time)) < share
+    film = np.where(turned[:, None, None], points[:, ::-1], points)
+    put, found = named_as_in_most(film, time)
+    assert sum(one.last + 1 - one.first for one in found) == turned.sum()
+    assert np.array_equal(put, points, equal_nan=True)
+    assert told(found, LABELS, time).startswith("all points, head for tail, exchanged ")
+
+
+def test_a_body_that_curls_up_or_shakes_confuses_no_ends():
+    time, points = crawling(noise=0.2)
+    assert exchanges(points, time) == ()
+    angle = np.cumsum(np.full((240, 6), 0.9) + 0.5 * np.sin(3 * time[:, None] + np.arange(6)), axis=1)
+    steps = np.stack([np.cos(angle), np.sin(angle)], axis=2)
+    ring = np.concatenate([np.zeros((240, 1, 2)), np.cumsum(steps, axis=1)], axis=1)
+    assert exchanges(ring + 0.01 * np.random.default_rng(1).normal(size=ring.shape), time) == ()
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -326,3 +326,20 @@ def test_a_marker_beside_its_place_is_no_stretched_camera():
     shown = (Shown.of(points, EDGES), *made.shown[1:])
     said = replace(made, points=tuple(points), shown=shown).said
     assert not any("direction" in remark.words for remark in said.values())
+
+
+def test_points_too_few_for_the_bends_of_a_body_make_no_end_of_it_longer_than_they_are_apart(tmp_path: Path):
+    """The curve through 9 points of a snake that bends to and fro at each ran out into half circles at its ends: they
+    came out 1.5 and 2.2 times as long as their points were apart, and a note spoke of lengths that nobody had given."""
+    edges = np.array([82, 63, 75, 95, 166, 98, 87, 85]) / 1000
+    time, bent = np.arange(300) / 30, np.array([-0.04, 0.48, -0.61, 0.43, -0.38, 0.35, -0.21])
+    swing = 0.15 * np.sin(2 * np.pi * (time[:, None] - np.arange(7) / 5))
+    way = np.concatenate([np.zeros((300, 1)), np.cumsum(bent + swing, axis=1)], axis=1)
+    steps = edges[:, None] * np.stack([np.cos(way), np.sin(way)], axis=2)
+    points = np.concatenate([np.zeros((300, 1, 2)), np.cumsum(steps, axis=1)], axis=1) + 0.02 * time[:, None, None]
+    seen = points + np.random.default_rng(2).normal(0, 3e-4, points.shape)
+    found = load_campaign(animal_campaign(tmp_path, "snake", time, seen, "m"))
+    assert found.body.edges_m == pytest.approx(edges, rel=0.1)
+    notes = found.trials[0].notes
+    assert any("edges a wave" in note for note in notes)
+    assert not any("`edge_lengths`" in note for note in notes)

@@ -420,3 +420,12 @@ def test_a_point_with_one_coordinate_is_refused_by_its_place(tmp_path):
     (tmp_path / "t.csv").write_text("t_s,x_0,y_0\n0,1,2\n0.1,1,\n")
     with pytest.raises(InputError, match="row 3, column B .*all its coordinates or none"):
         read_tidy(tmp_path / "t.csv")
+
+
+def test_a_table_with_a_row_for_each_quantity_says_how_to_turn_it_round(tmp_path):
+    """Of a file of FIMTrack it was said that column A has no name."""
+    names = [f"{point}_{axis}({frame})" for point in ("head", "tail") for axis in "xy" for frame in range(9)]
+    text = ",larva(1),larva(2)\n" + "".join(f"{name},{k},{2 * k}\n" for k, name in enumerate(names))
+    (tmp_path / "larvae.csv").write_text(text)
+    with pytest.raises(InputError, match=r"`head_x\(0\)` is a quantity in one frame(.|\n)*Turn the table round"):
+        read_tidy(tmp_path / "larvae.csv", frames_per_second=10)

@@ -170,7 +170,7 @@ def align_trial(file: CampaignFile, files: Files, body: Body, like: Motion | Non
         passages, complaints = cut_passages(motion, schedule if source != "none" else None, files.servo_log)
         notes += complaints
         still = nothing_moved(motion.time_s, motion.markers)
-        notes += [still] if still else remarks(body, motion) if file.tracked_only else ()
+        notes += [still] if still else remarks(body, motion, file.lengths_given) if file.tracked_only else ()
     return Trial(
         entry.name, entry.gait or entry.name, body, metres, schedule, source, motion, servo, files.servo_log,
         files.power_log, passages, entry.dissipation_coefficient, remarks_of(notes), scale_sd,

@@ -103,8 +103,9 @@ def _pieces(trial: Trial, share: float = 1.0) -> list[TrackedRecording]:
     if not long:
         longest = max(smoothed, key=lambda piece: piece.states.time[-1]).states
         raise InputError(
-            f"trial `{trial.name}`: {longest.time[-1]:.3g} s at most are seen without a hole: too short for a period "
-            f"({longest.period:.3g} s) of the motion.{_too_near(trial.body, trial.motion)}"
+            f"trial `{trial.name}`: {longest.time[-1]:.3g} s at most are seen without a hole: too short for the "
+            f"time that its bends take to change once over ({longest.period:.3g} s); `fit` needs less."
+            f"{_too_near(trial.body, trial.motion)}"
         )
     spans = [float(time[-1] - time[0]) for time in times]
     promised = [spans[i] for i in long]

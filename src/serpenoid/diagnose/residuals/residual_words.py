@@ -34,10 +34,11 @@ def pattern(motion: Motion, predictions: Sequence[Prediction], after_m: float) -
     words = []
     if shared.news:
         worst = int(shared.by.argmax())
-        verb = "is" if motion.tracks[0].noise is not None else "repeats:"
+        tracked = motion.tracks[0].noise is not None  # points alone: no beat is as the next, and has no phases
+        verb = "is" if tracked else "repeats:"
         size = f"{shared.ratio:.1f} times the noise in variance"
         words.append(f"what is left {verb} {size}, most of it {DIRECTIONS[worst]}")
-        words += _moment(motion, left) or _when(motion, left, worst)
+        words += _moment(motion, left) or ([] if tracked else _when(motion, left, worst))
         words += _where(motion, left)
     room = untold(motion, left)
     if room is not None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from serpenoid.body import Body
 from serpenoid.measure.animals.beside_midline import beside_midline, said
 from serpenoid.measure.animals.folded import folded
+from serpenoid.measure.animals.followed import followed
 from serpenoid.measure.animals.picture import as_if_alike, picture
 from serpenoid.measure.animals.smoothed import said_of_smoothing
 from serpenoid.measure.animals.uneven import uneven
@@ -180,13 +181,16 @@ def _way(time_s: Floats, columns: Floats, variance: float) -> Floats:
     return np.asarray(np.abs(np.diff(smooth(columns, *smoother(time_s, window)), axis=0)).sum(axis=0))
 
 
-def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
-    """Sentences on direction and length; what looks wrong comes with its cure."""
+def remarks(body: Body, motion: Motion, stated: bool = True) -> tuple[str, ...]:
+    """Sentences on direction and length; what looks wrong comes with its cure. stated: the file gives the lengths."""
     back = folded(motion.markers)
     if back:
         return (back,)  # all else that could be said comes of it
     rigid = () if body.is_animal else (RIGID,)
-    head_first, run = leading(motion), bends_run(motion)
+    held = followed(motion.markers)
+    if held:
+        return (*rigid, held, *_clock(motion), *_length(motion))
+    head_first = leading(motion)
     which = "head first" if head_first > 0.5 else "tail first"
     way = way_of_bends(motion)
     bends = f"run {way}" if way else "stand, or run to and fro"
@@ -194,12 +198,12 @@ def remarks(body: Body, motion: Motion) -> tuple[str, ...]:
         still = "stays where it is: by its points, no farther away than their noise"
         return (*rigid, still, *_clock(motion), *_length(motion))
     found = [*rigid, f"moves {which} ({max(head_first, 1 - head_first):.0%} of the path), its bends {bends}"]
-    if head_first < 0.5 and run < 0:
+    if head_first < 0.5 and way == "from tail to head":
         found.append(
             "as head and tail would if exchanged, or in a film that runs backwards: if it swam forwards, set "
             "`first_point` (or reverse `markers`)"
         )
-    apart = uneven(body, motion.markers) if body.is_animal else ""
+    apart = uneven(body, motion.markers) if body.is_animal and stated else ""
     seen = [apart] if apart else _sampling(motion)
     aside = beside_midline(body.edges, motion.smooth_angles) if body.is_animal else None
     seen += [said(aside, body.edges)] if aside else []

@@ -5,8 +5,9 @@
 behind, ahead: where the frames before and after the cut, each alone, put a point half-way between. s: what nine
 mismatches in ten stay within, for as long as the point was not seen; more in a frame in which all points are quick. Any
 permutation may begin at any frame: two points, three in a ring; it is one of as many as there are of so many points.
-Head for tail is one by itself: trackers of bodies without marks confuse the ends. Names that lead by `ODDS` change
-there; what they are for most of the recording is right. Legend: F frames, N points.
+Head for tail is one by itself: trackers of bodies without marks confuse the ends, some of them so often that no s is
+left (`often_reversed`). Names that lead by `ODDS` change there; what they are for most of the recording is right.
+Legend: F frames, N points.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from scipy.special import gammaln
 
 from serpenoid.measure.cells import Floats, clock, listed
 from serpenoid.measure.consistency.layout import middles
+from serpenoid.measure.consistency.often_reversed import often_reversed
 from serpenoid.measure.consistency.rivals import ODDS
 
 SHARE = 0.9  # of all mismatches are within s: of a body that rests half the time, those that move
@@ -43,7 +45,12 @@ class Exchange:
         changed = [k for k, name in enumerate(self.names) if name != k]
         mirrored = list(self.names) == list(range(len(self.names)))[::-1] and len(changed) > 3
         which = "all points, head for tail," if mirrored else listed([f"`{labels[k]}`" for k in changed])
-        return f"{which} exchanged between {clock(time_s[self.first])} and {clock(time_s[self.last])} s"
+        first, last = clock(time_s[self.first]), clock(time_s[self.last])
+        return (
+            f"{which} exchanged at {first} s"
+            if self.first == self.last
+            else f"{which} exchanged between {first} and {last} s"
+        )
 
 
 @dataclass(frozen=True)
@@ -60,6 +67,9 @@ class Change:
 
 def exchanges(points: Floats, time_s: Floats, odds: float = ODDS) -> tuple[Exchange, ...]:
     """Parts of a recording (F, N, 2) in which points have other names than in most of it; odds: asked of a change."""
+    turned, gain = often_reversed(points)
+    if gain > odds:
+        return _reversed_parts(turned, points.shape[1], gain)
     changes = _certain(_changes(points, time_s), odds) if len(time_s) > 2 else []
     while changes:
         found = _parts(changes, points)
@@ -69,6 +79,13 @@ def exchanges(points: Floats, time_s: Floats, odds: float = ODDS) -> tuple[Excha
         ends = [change for change in changes if change.frame in (refuted.first, refuted.last + 1)]
         changes.remove(min(ends, key=lambda change: change.gain))
     return ()
+
+
+def _reversed_parts(turned: NDArray[np.bool_], count: int, gain: float) -> tuple[Exchange, ...]:
+    """Runs of frames (F,) whose points are named from the other end."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], turned, [False]])))
+    ends = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+    return tuple(Exchange(first, stop - 1, tuple(range(count))[::-1], gain) for first, stop in ends)
 
 
 def _parts(changes: Sequence[Change], points: Floats) -> tuple[Exchange, ...]:

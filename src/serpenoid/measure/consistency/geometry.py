@@ -81,7 +81,8 @@ def _exchanged(plan: Layout, names: Sequence[str], base: float) -> list[MarkerFa
     if not done:
         return []
     which = ", ".join(f"`{names[i]}` and `{names[j]}`" for i, j in done)
-    cure = f"exchange {which} in `markers` (or their columns)"
+    aside = ", or leave out points that are beside the midline (eyes, fins, feet)" if len(done) > 1 else ""
+    cure = f"exchange {which} in `markers` (or their columns){aside}"
     return [MarkerFault("markers", f"have {which} exchanged along the body", cure, best - base - np.log(KINDS))]
 
 

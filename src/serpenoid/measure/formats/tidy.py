@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from os.path import commonprefix
 from pathlib import Path
 
@@ -37,6 +38,7 @@ from serpenoid.measure.formats.header import first_row, header_row, likely_heade
 from serpenoid.measure.formats.own_names import FIRST_CELLS, advice
 from serpenoid.measure.tracks import METRES, Tracks, in_places, no_time, upright
 
+OF_FRAME = re.compile(r".*[^\W\d_].*\([0-9]+\)")  # `head_x(0)`
 SAME_TIME = 1e-4  # relatively: Tracker writes times with five digits
 
 
@@ -54,6 +56,7 @@ def read_tidy(
     """
     path = Path(path)
     rows = read_rows(path)
+    _refuse_turned(rows, path)
     known = rows[0][0].strip() in FIRST_CELLS
     at = (
         (0 if known else likely_header(rows))
@@ -87,6 +90,18 @@ def read_tidy(
     names = in_places(floor.shape[1]) if columns is None else stems or _stems(called[::2], called[1::2])
     floor = upright(floor, length_unit) * METRES[length_unit]
     return Tracks(times, names, floor, str(path), (False,) * len(names), length_unit != "px")
+
+
+def _refuse_turned(rows: Rows, path: Path) -> None:
+    """Refuse a table whose columns are animals, with a row for each quantity in each frame."""
+    names = [row[0].strip() if row else "" for row in rows[1:]]
+    if len(names) < 2 or not all(OF_FRAME.fullmatch(name) for name in names):
+        return
+    raise InputError(
+        f"{path}: row 2, column A: `{names[0][:LONGEST_SHOWN]}` is a quantity in one frame, and every row is one, with "
+        "animals beside one another, as FIMTrack writes them. Turn the table round, a file for each animal: a row for "
+        "each frame, with the columns `frame,x_0,y_0,...` from tail to head."
+    )
 
 
 def _refuse_other_clocks(rows: Rows, at: int, first: int, clock: int, times: Floats, path: Path) -> None:

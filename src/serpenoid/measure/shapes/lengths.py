@@ -37,6 +37,10 @@ ODD = 5.0  # robust SDs about the median: an edge whose end is where it is not
 LEAST_ODD = 0.02  # of a length: what is less does no harm, and of a body that rests the SD is none
 LONG_WAVES = 1 / 3  # of all waves along the body: the longest, by which bodies stretch
 LARGE = 0.25  # of an edge: such a noise is no longer small beside it
+NEAR = 2  # joints to either side of an edge
+OFTEN_AS_FAR = (
+    5.0  # times: an edge that usually turns by so much more than joints near it is the spline's, not the body's
+)
 DRAWS = 2  # of noise, each in four mirrors: what is odd in it does not hide what is even
 
 
@@ -122,4 +126,22 @@ def chord_shares(body: Body, points: Floats, between: Sequence[int] | None = Non
     drawn = curve(body, np.concatenate([np.zeros((len(bends), 1)), np.cumsum(bends, axis=1)], axis=1), degree=degree)
     ends = list(range(body.vertices) if between is None else between)
     arcs = np.diff(np.concatenate([[0.0], np.cumsum(body.edges)])[ends])
-    return np.asarray(np.linalg.norm(np.diff(drawn[:, ends], axis=1), axis=2) / arcs)
+    shares = np.asarray(np.linalg.norm(np.diff(drawn[:, ends], axis=1), axis=2) / arcs)
+    if between is not None:
+        return shares
+    turns = _turns(bends)
+    beyond = np.median(shares, axis=0) < _of_circle(OFTEN_AS_FAR * turns)
+    return np.where(beyond, _of_circle(turns), shares)
+
+
+def _turns(bends: Floats) -> Floats:
+    """How far edges (N - 1,) may turn, by joint angles (F, N - 2): as those of the two joints to either side of it that
+    is bent most, as a root mean square. The spline through few points of many bends turns several times as far, above
+    all where it runs out beyond the last joint: the end of a snake came out twice as long as its points were apart."""
+    wide = np.pad(np.sqrt((bends**2).mean(axis=0)), NEAR)
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(wide, 2 * NEAR).max(axis=1))
+
+
+def _of_circle(turns: Floats) -> Floats:
+    """Chord over arc of a circle's part that turns so far; of more than half of it as of half."""
+    return np.asarray(np.sinc(np.minimum(turns, np.pi) / (2 * np.pi)))
