@@ -26,6 +26,12 @@ def test_an_optimum_that_one_start_alone_found_may_not_be_the_best() -> None:
     assert told not in starts_lines(record(60, [{"cost": -1.0, "starts": 2}, {"cost": -0.9, "starts": 1}]))
 
 
+def test_an_optimum_of_many_starts_that_was_refined_is_not_said_to_be_of_one_alone() -> None:
+    assert not [line for line in starts_lines(record(480, [{"cost": -0.07, "starts": 1}])) if "one start alone" in line]
+    lines = starts_lines(record(480, [{"cost": -1.49, "starts": 1}]))  # the one of many starts did not hold
+    assert [line for line in lines if "one start alone" in line]
+
+
 def test_after_a_refinement_what_was_found_before_is_told_apart_from_it() -> None:
     lines = starts_lines(record(480, []))
     assert lines[0] == "optima found      none with 60 steps; failed starts: 5 mesh_too_coarse"

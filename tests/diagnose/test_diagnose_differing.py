@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -123,7 +122,7 @@ def test_more_places_that_all_tell_than_a_body_of_so_many_joints_has_mend_the_la
     monkeypatch.setattr(all_places, "fit", fitted)
     monkeypatch.setattr(all_places, "told", kept)
     monkeypatch.setattr(all_places, "choose", lambda *_: None)
-    motion: Any = SimpleNamespace(untestable=frozenset())
+    motion: Any = Motion((), None, ())  # type: ignore[arg-type]
     poor = replace(fitted(motion, model, [], np.array([0.2])), chi2=1e4)
     assert all_at_once(motion, poor, len(candidates_of(poor))) is poor
     assert ({"load"} in told) == asked

@@ -80,10 +80,9 @@ def test_what_the_data_do_not_tell_stays_where_it_is() -> None:
 
 def explanation(chi2: float, does: float = 1.0) -> Any:
     """With one coordinate; does: what a unit of it does."""
-    effect = SimpleNamespace(parameters=(SimpleNamespace(resting=0.0),))
     evidence = SimpleNamespace(count=np.ones(1), matrix=np.full((1, 2, 2), does**2))
-    fit = SimpleNamespace(chi2=chi2, evidence=evidence, effects=[SimpleNamespace(name="a", place=None, effect=effect)])
-    return SimpleNamespace(labels=(1, 2, 3, 4, 5, 6, 6)), fit, 1.0
+    fit = SimpleNamespace(chi2=chi2, evidence=evidence, effects=[SimpleNamespace(name="a", place=None)])
+    return SimpleNamespace(labels=(1, 2, 3, 4, 5, 6, 6), unchanged=lambda _: [0.0]), fit, 1.0
 
 
 def test_a_value_counts_by_what_it_does(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -168,7 +167,7 @@ def test_how_far_a_body_gives_way_on_the_floors_own_law_is_a_factor_of_a_change(
 
 def test_the_factor_is_of_what_is_away_from_the_value_that_changes_nothing() -> None:
     drag = Named(ActiveEffect.of("power_law_drag", exponent=1.2), {"exponent": (1.19, 1.21)}, 3.0)
-    wide = yielding(drag, 0.5, {("power_law_drag", None, 0): Doubted(1.2, 0.005)})
+    wide = yielding(drag, 0.5, {("power_law_drag", None, 0): Doubted(1.2, 0.005, resting=1.0)})
     assert wide.intervals["exponent"] == pytest.approx((1 + 0.2 * np.exp(-0.98), 1 + 0.2 * np.exp(0.98)))
 
 

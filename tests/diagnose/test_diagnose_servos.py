@@ -463,6 +463,15 @@ def test_a_log_that_is_late_at_one_joint_is_told_and_is_no_servo_that_lags(recor
     np.testing.assert_allclose(read[0].position, recordings[0].position, atol=8 * TICK)
 
 
+def test_a_log_that_is_wrong_in_one_trial_is_told_with_that_trial(recordings: tuple[Recording, ...]) -> None:
+    position = recordings[1].position.copy()
+    position[:, 3] *= -1  # as one who wrote this log with another sign
+    some = [recordings[0], replace(recordings[1], position=position), *recordings[2:]]
+    stage = of_servos(some, Baseline(Model(recordings[0].body, Medium(anisotropy_ratio=0.2))))[2]
+    told = f"the log of joint 4 is wrong in `{recordings[1].name}` alone: markers show that it does as it is told"
+    assert told in stage.words
+
+
 def test_markers_that_are_finer_than_readings_accuse_no_log_of_its_noise(recordings: tuple[Recording, ...]) -> None:
     first = recordings[0]
     told = first.schedule.commanded(first.time.clip(0.0, first.end))

@@ -65,6 +65,14 @@ def test_a_trial_that_strays_far_is_told_and_so_is_one_that_alone_follows():
     assert (told.words, told.changed, told.others) == ("all joints follow their commands in `g2` alone", others, one)
 
 
+def test_a_trial_a_little_beyond_noise_is_one_of_the_others_where_some_stray_far():
+    """Servos that lag leave a little more than noise in every trial, in some by chance less."""
+    told = said(wave(0.7), wave(1.4), wave(80.0), wave(110.0))
+    assert told is not None
+    assert (told.changed, told.others) == (("g2-1", "g3-1"), ("g0-1", "g1-1"))
+    assert said(wave(0.7), wave(1.4), wave(5.0), wave(2.0)) is None  # there is no gap between those that stray
+
+
 @pytest.mark.parametrize("gain", [0.0, 0.75, 1.5])
 def test_how_far_joints_go_is_told_where_that_is_what_they_stray_by(gain):
     told = 20 * (gain - 1) * TOLD

@@ -552,6 +552,18 @@ def test_times_in_another_unit_are_told_before_anything_is_laid_over_anything(ma
     assert verdict.rivals == ()
 
 
+def test_a_schedule_in_another_unit_is_asked_about_where_log_and_film_agree() -> None:
+    """`cycle_duration_s` in milliseconds: no time unit of two recordings need be wrong."""
+    played = Schedule(serpenoid_table(40), 2.0, 2, 1.0)
+    time = np.arange(-1.0, played.end_s + 1.0, 1 / 60)
+    seen = Signal(time, played.commanded(np.clip(time, 0.0, played.end_s)))
+    told = Schedule(played.table, 2000.0, 2, 1.0)
+    verdict = check([Claim("one", "gait-1", told, cameras=seen, servos=seen)], {"gait-1": played.table})
+    assert len(verdict.contradictions) == 2
+    for one in verdict.contradictions:
+        assert "Remedy: is `cycle_duration_s = 2000` in seconds? Log and film agree; or " in one.said
+
+
 @pytest.mark.parametrize(("number", "words"), [(1000.0, "1000"), (1.0e6, "1000000"), (1.6667, "1.67"), (5.0, "5")])
 def test_numbers_have_three_digits_and_no_power_of_ten(number: float, words: str) -> None:
     assert rounded(number) == words

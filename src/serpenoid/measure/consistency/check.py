@@ -87,14 +87,17 @@ def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
 
 
 def _in_other_units(claim: Claim) -> list[Contradiction]:
-    """Witnesses whose motion lasts a thousand times the promised seconds."""
-    found = []
-    for signal, witness in ((claim.servos, "the servo log's positions"), (claim.film, "the recorded shapes")):
-        if claim.schedule is not None and signal is not None and signal.enough:
-            said = _other_unit(signal, claim.schedule)
-            if said is not None:
-                found.append(Contradiction(claim.trial, "rate", f"{witness} {said[0]}", said[1], np.inf))
-    return found
+    """Witnesses whose motion lasts a thousand times the promised seconds; if two agree, the schedule may be wrong."""
+    if claim.schedule is None:
+        return []
+    witnesses = ((claim.servos, "the servo log's positions"), (claim.film, "the recorded shapes"))
+    there = [(signal, witness) for signal, witness in witnesses if signal is not None and signal.enough]
+    said = [(witness, _other_unit(signal, claim.schedule)) for signal, witness in there]
+    found = [(witness, told) for witness, told in said if told is not None]
+    agreed = ""
+    if len(found) == len(witnesses) and found[0][1] == found[1][1]:
+        agreed = f"is `cycle_duration_s = {claim.schedule.cycle_duration_s:g}` in seconds? Log and film agree; or "
+    return [Contradiction(claim.trial, "rate", f"{w} {words}", agreed + cure, np.inf) for w, (words, cure) in found]
 
 
 def _in_other_angles(claim: Claim) -> list[Contradiction]:

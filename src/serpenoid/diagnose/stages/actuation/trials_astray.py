@@ -1,8 +1,10 @@
 """In which trials a joint strays from what is found of it: a law would act in all of them.
 
 It strays in some alone if what those leave is far more than what the others do (`LAW_ERROR`): where all leave about as
-much as noise, it is chance which leave a little more. When a trial began is asked of joints that stray far less: one
-that does something else would move all of them. That it stands still no gait makes, whichever gaits the trials are of.
+much as noise, it is chance which leave a little more. A trial that leaves more than noise, but no more than the law's
+error of the worst, is one of the others: servos that lag leave as much. When a trial began is asked of joints that
+stray far less: one that does something else would move all of them. That it stands still no gait makes, whichever gaits
+the trials are of.
 
 Legend: R log rows of all trials, T trials, m joints.
 """
@@ -32,7 +34,7 @@ def trials_astray(data: Plays, played: Floats, joint: int) -> Divided | None:
     steady = strays < LAW_ERROR**2 * strays[joint]
     left = data.left(played, steady if steady.any() else True)
     squares = _squares(data, left, trials)
-    astray = squares > VISIBLE**2
+    astray = squares > np.maximum(VISIBLE**2, LAW_ERROR**2 * squares.max(axis=0))
     mine = astray[:, joint]
     if not mine.any():
         return None

@@ -30,22 +30,28 @@ from serpenoid.diagnose.stages.baseline import Baseline
 from serpenoid.diagnose.stages.observation.marker_evidence import angle_leverage
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.shapes.links import marker_angles
+from serpenoid.wording import listed
 
 LONGEST = 0.25  # of a cycle: a later reading looks like an earlier one
 
 
 @dataclass(frozen=True)
 class WrongLog:
-    """The joint (1 .. m), and how late its readings are [s]; None: what is wrong with them is no delay."""
+    """The joint (1 .. m), and how late its readings are [s]; None: what is wrong with them is no delay.
+
+    trials: in which alone they are wrong; none if they are in all.
+    """
 
     joint: int
     late_s: float | None
+    trials: tuple[str, ...] = ()
 
     @property
     def words(self) -> str:
         """As a sentence's beginning."""
         how = "is wrong" if self.late_s is None else f"is {self.late_s:.2g} s late"
-        return f"the log of joint {self.joint} {how}: markers show that it does as it is told"
+        alone = f" in {listed([f'`{name}`' for name in self.trials])} alone" if self.trials else ""
+        return f"the log of joint {self.joint} {how}{alone}: markers show that it does as it is told"
 
 
 def of_servos(recordings: Sequence[Recording], baseline: Baseline) -> tuple[tuple[Recording, ...], Plays, Stage]:
@@ -81,12 +87,19 @@ def wrong_log(
         return None
     read = carried(recordings, servos, effects)
     told = expected(read, servos, shared)
-    by_log, by_order, count = np.sum([_misfits(r, course) for r, course in zip(read, told, strict=True)], axis=0)
+    each = np.array([_misfits(r, course) for r, course in zip(read, told, strict=True)])
+    by_log, by_order, count = each.sum(axis=0)
     worst = int(np.where(astray, by_log - by_order, -np.inf).argmax())
     band = most_gained(1, len(astray))
     if not excludable(by_log[worst], by_order[worst], max(count[worst], 1.0), band):
         return None
-    return WrongLog(worst + 1, _late(read, told, worst))
+    return WrongLog(worst + 1, _late(read, told, worst), _in_some(read, each[:, 0, worst] - each[:, 1, worst]))
+
+
+def _in_some(recordings: Sequence[Recording], excess: Floats) -> tuple[str, ...]:
+    """Trials in which markers contradict the log by most of an excess (T,), where in others they hardly do."""
+    most = excess > LAW_ERROR**2 * excess.max()
+    return () if most.all() else tuple(r.name for r, is_wrong in zip(recordings, most, strict=True) if is_wrong)
 
 
 def mended(recordings: Sequence[Recording], servos: Plays, found: Stage, wrong: WrongLog) -> tuple[Recording, ...]:
