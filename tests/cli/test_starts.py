@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
+from serpenoid.cli.solve import _beside_status
 from serpenoid.cli.starts import starts_lines
 
 
@@ -17,6 +19,15 @@ def test_better_optima_that_a_coarse_mesh_spoils_are_named_with_the_remedy() -> 
     first, second = starts_lines(record(60, [{"cost": -1.0, "starts": 3}]))
     assert first == "optima found      -1.000000 (3x); failed starts: 5 mesh_too_coarse"
     assert second.startswith("better, refused   -1.354000 (5x): 60 steps are too coarse for them; solve with --refine")
+
+
+def test_the_status_says_that_a_better_gait_was_refused_for_its_mesh() -> None:
+    best: Any = SimpleNamespace(status=SimpleNamespace(ok=True), mesh=SimpleNamespace(steps=60), message="")
+    told = ", but not the best: 60 steps are too coarse for cost -1.354000 (--refine)"
+    assert _beside_status(best, record(60, [])) == told
+    assert _beside_status(best, record(480, []) | {"refinement": {}}) == ""
+    best.status.ok, best.message = False, "no start converged"
+    assert _beside_status(best, record(60, [])) == ": no start converged"
 
 
 def test_an_optimum_that_one_start_alone_found_may_not_be_the_best() -> None:

@@ -303,7 +303,7 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: 
     went = best.trajectory.displacement, best.trajectory.dissipation
     efficiency = None if best.trajectory.stands_still else lighthill_efficiency(best.problem, *went)
     return [
-        f"status            {best.status.name.lower()}{'' if best.status.ok else f': {best.message}'}",
+        f"status            {best.status.name.lower()}{_beside_status(best, record)}",
         *note_lines(best.note),
         f"displacement      {best.trajectory.displacement:z.6f} body lengths{'' if task.transient else ' per cycle'}"
         f"{'' if best.headline_note is None else f' {best.headline_note}'}",
@@ -324,6 +324,16 @@ def _lines(best: Solution, result: MultiStart, record: dict[str, Any], refined: 
         *starts_lines(record),
         f"time in IPOPT     {seconds:.2f} s for {counted(len(result.solutions), 'start')}{kept}{finer}",
     ]
+
+
+def _beside_status(best: Solution, record: dict[str, Any]) -> str:
+    """Why there is no optimum; or that this one is not the best, as a better gait was refused for its mesh alone."""
+    if not best.status.ok:
+        return f": {best.message}"
+    better = record["multi_start"].get("better_but_coarse", [])
+    if not better or "refinement" in record:
+        return ""
+    return f", but not the best: {best.mesh.steps} steps are too coarse for cost {better[0]['cost']:z.6f} (--refine)"
 
 
 def _optimum_lines(best: Solution, refined: Refined | None) -> list[str]:
