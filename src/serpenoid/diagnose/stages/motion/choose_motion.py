@@ -242,7 +242,8 @@ def finding(
         named = beside_paths(named, after / noise_level)
     named = amid_points(motion, named)
     known = divided is not None and bool(divided.cause)  # by what repeats differ by: it is told
-    growing = grows_instead(found) if not known and any(n.effect.effect.moves for n in named) else ""
+    asked = any(n.effect.effect.moves for n in named) or (words and not best.effects and divided is None)
+    growing = grows_instead(found) if asked and not known else ""
     if growing:
         named = [replace(n, stand_in=n.stand_in or n.effect.effect.moves) for n in named]
         words = (*words, growing)
