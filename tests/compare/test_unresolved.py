@@ -28,14 +28,22 @@ def filmed(folder: Path, points: np.ndarray) -> Campaign:
     return load_campaign(folder)
 
 
-@pytest.mark.parametrize("way", ["anywhere", "walks"])
-def test_points_at_random_are_refused_before_anything_is_fitted(way: str, tmp_path: Path) -> None:
-    points = np.random.default_rng(0).uniform(0, 100, (60, POINTS, 2))
-    if way == "walks":
-        points = np.cumsum(points - 50, axis=0)
-    campaign = filmed(tmp_path, points)
+@pytest.mark.parametrize(("way", "seed"), [("anywhere", 0), ("walks", 5)])
+def test_points_at_random_are_refused_before_anything_is_fitted(way: str, seed: int, tmp_path: Path) -> None:
+    campaign = filmed(tmp_path, at_random(way, seed))
     with pytest.raises(InputError, match=r"trial `film`: these points show no motion of a body: .* % of the frames"):
         anisotropy(campaign, neutral_model(campaign))
+
+
+def test_points_that_walk_at_random_and_turn_little_are_told_to_be_in_no_order(tmp_path: Path) -> None:
+    (trial,) = filmed(tmp_path, at_random("walks", 0)).trials
+    assert any("nothing that is found from them can be believed" in note for note in trial.notes)
+
+
+def at_random(way: str, seed: int) -> np.ndarray:
+    """Points (F, N, 2) [mm], anew in each frame or by steps from one to the next."""
+    points = np.random.default_rng(seed).uniform(0, 100, (60, POINTS, 2))
+    return np.cumsum(points - 50, axis=0) if way == "walks" else points
 
 
 def test_noise_of_half_an_edge_about_a_moving_body_is_no_reason_to_refuse(tmp_path: Path) -> None:
