@@ -17,13 +17,18 @@ Gait by gait, what differs by as much from one repeat to the next need not grow 
 What is no chance, though every cause that was tried counts, and less than most of what repeats differ by, is a hint at
 what hides in the noise, and no more.
 
+Of a large cause first order tells pairs different sizes, and Fisher's F takes their scatter for chance. So what takes
+away most of what repeats differ by, and yet may be chance, is fitted in full in the trials in which it acts, and judged
+again by its derivatives there.
+
 Legend: T trials, P pairs, K windows that were played twice, S ways to divide trials, C numbers of a cause.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import fdtrc
@@ -35,14 +40,17 @@ from serpenoid.diagnose.data.noise.noise import residuals
 from serpenoid.diagnose.data.noise.repeats import pairs, repeats
 from serpenoid.diagnose.data.windows.windows import columns_of, predictions
 from serpenoid.diagnose.inference.doubt.law_error import LAW_ERROR
+from serpenoid.diagnose.inference.fits.bounds import LEAST_EPS, MOST_EPS
 from serpenoid.diagnose.inference.fits.finding import Divided
-from serpenoid.diagnose.inference.fits.medium import Fit, candidates_of
+from serpenoid.diagnose.inference.fits.medium import Fit, candidates_of, with_values
 from serpenoid.diagnose.residuals.from_trial_to_trial import MOST
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.model import Model
 from serpenoid.simulation.sensitivity import EPS, Column
 from serpenoid.wording import listed
 
 FEW = 3  # pairs: two lie on a line with any third number
+ROUNDS, CONVERGED = 8, 0.02  # steps of a fit in full; squares that end it
 
 
 @dataclass(frozen=True)
@@ -61,12 +69,13 @@ class Differ:
 @dataclass(frozen=True)
 class Cause:
     """What each pair (P,) says of one: information (P, C, C) and score (P, C), the other trial minus the one; sign: of
-    its number, where its bounds allow one alone, else 0."""
+    its number, where its bounds allow one alone, else 0. effect: None: the anisotropy ratio."""
 
     called: str
     sign: int
     information: Floats
     score: Floats
+    effect: ActiveEffect | None = None
 
     def gains(self, signs: Floats) -> Floats:
         """What it takes away of squares (S,), where it acts by signs (S, P)."""
@@ -108,14 +117,20 @@ def _spread(left: Floats, known: Floats, noise: float, freedom: int) -> float:
 
 @dataclass(frozen=True)
 class _Found:
-    """The best cause at the best moment of several: squares that it leaves, how likely chance takes away as much, and
-    trials (T,) in which it acts for sure, and in which it does not."""
+    """The best cause at the best moment of several: squares that it leaves, how likely chance takes away as much at one
+    of so many moments, and trials (T,) in which it acts for sure, and in which it does not."""
 
     left: float
-    called: str
+    cause: Cause
     chance: float
+    moments: int
     acts: np.ndarray
     rests: np.ndarray
+
+    @property
+    def called(self) -> str:
+        """The cause's name."""
+        return self.cause.called
 
 
 def one_cause_in_some(motion: Motion, found: Fit, since: Collection[str] = ()) -> Divided | None:
@@ -127,7 +142,8 @@ def one_cause_in_some(motion: Motion, found: Fit, since: Collection[str] = ()) -
     if len(played) < FEW or any(t.noise is not None for t in motion.tracks):
         return None
     differ, causes = _causes(motion, found)
-    return divided(differ, causes, played, [t.recording.name for t in motion.tracks], since)
+    names = [t.recording.name for t in motion.tracks]
+    return divided(differ, causes, played, names, since, lambda best: _in_full(motion, found, played, best))
 
 
 def divided(
@@ -136,9 +152,10 @@ def divided(
     played: Sequence[tuple[int, int]],
     names: Sequence[str],
     since: Collection[str] = (),
+    in_full: Callable[[_Found], _Found] = lambda best: best,
 ) -> Divided | None:
     """Trials, by name, of which pairs differ so, as causes tell, or a hint at what hides in the noise: no chance, and
-    less than most of what repeats differ by. None where no cause has its moment."""
+    less than most of what repeats differ by. None where no cause has its moment. in_full: the same, fitted in full."""
     squares = differ.total
     if squares <= 0:
         return None
@@ -152,6 +169,7 @@ def divided(
     rounds = bool((np.diff(later) >= 0).all())
     if not rounds and grew.left > LAW_ERROR**2 * each.left:  # every repeat differs by as much from the one before it,
         grew = replace(grew, chance=1.0)  # whenever it was played
+    began, went = (in_full(f) if _mostly(f, squares) and f.chance > LEFT else f for f in (began, went))
     mostly = [f for f in (began, grew, went) if _told(f, squares)]
     best = _first(mostly or [f for f in (began, grew, went) if f.chance * len(causes) <= LEFT])
     if best is None:
@@ -200,7 +218,83 @@ def _within(changed: Sequence[str], others: Sequence[str], names: Sequence[str])
 
 def _told(found: _Found, squares: float) -> bool:
     """Whether it is what repeats differ by, and no chance."""
-    return found.chance <= LEFT and found.left < (1 - MOST) * squares
+    return found.chance <= LEFT and _mostly(found, squares)
+
+
+def _mostly(found: _Found, squares: float) -> bool:
+    """Whether it is what repeats differ by."""
+    return found.left < (1 - MOST) * squares
+
+
+def _in_full(motion: Motion, found: Fit, played: Sequence[tuple[int, int]], best: _Found) -> _Found:
+    """The same with its cause fitted in full (Gauss-Newton) in the trials in which it acts; as it was where no step of
+    it leaves less."""
+    signs = np.array([float(best.acts[b]) - float(best.acts[a]) for a, b in played])
+    now = _acting(motion, found, best, best.cause.value(signs))
+    for _ in range(ROUNDS):
+        new = _acting(motion, found, best, now.cause.value(signs))
+        if not new.left < now.left:
+            break
+        gained, now = now.left - new.left, new
+        if gained < CONVERGED:
+            break
+    if not now.left < best.left:
+        return best
+    chance = now.cause.chance(signs, now.differ) * best.moments
+    return replace(best, left=now.left, cause=now.cause, chance=chance)
+
+
+class _Acting(NamedTuple):
+    """A cause with its numbers: squares that it leaves, what pairs say of it by its derivatives there, and what they
+    differ by without it, to first order."""
+
+    left: float
+    cause: Cause
+    differ: Differ
+
+
+def _acting(motion: Motion, found: Fit, best: _Found, value: Floats) -> _Acting:
+    """A cause of this size in the trials in which it acts."""
+    effect, tracks = best.cause.effect, motion.tracks
+    columns: tuple[Column, ...] = (EPS,) if effect is None else columns_of([effect])
+    predicted = predictions(found.model, tracks, _candidates(found, effect), found.predictions)
+    some = np.flatnonzero(best.acts)
+    own = predictions(_with(found, effect, value), [tracks[i] for i in some], (), [predicted[i] for i in some])
+    for i, p in zip(some, own, strict=True):
+        predicted[i] = p
+    left, by = residuals(tracks, predicted), [p.by(columns) for p in predicted]
+    away, squares, count, information, score = 0.0, [], [], [], []
+    for repeat in repeats(tracks):
+        one, other = repeat.both(left)
+        here, there = repeat.both(by)
+        s = float(best.acts[repeat.other]) - float(best.acts[repeat.one])
+        slopes = (here + there) / 2 if not s else there if s > 0 else here
+        d, slopes = (other - one) / motion.noise.playing, slopes / motion.noise.playing[:, None]
+        known = np.isfinite(d).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2))
+        known &= tracks[repeat.one].playing[repeat.here]
+        rows, flat = d[known].ravel(), slopes[known].reshape(-1, len(columns))
+        away += float(rows @ rows)
+        whole = rows + s * flat @ value  # what the pair differs by
+        squares.append(float(whole @ whole))
+        count.append(float(len(rows)))
+        information.append(flat.T @ flat)
+        score.append(flat.T @ whole)
+    cause = replace(best.cause, information=np.array(information), score=np.array(score))
+    return _Acting(away, cause, Differ(np.array(squares), np.array(count)))
+
+
+def _candidates(found: Fit, effect: ActiveEffect | None) -> list[ActiveEffect]:
+    """The effect, if the model has it not."""
+    return [] if effect is None or effect.key in {e.key for e in found.model.effects} else [effect]
+
+
+def _with(found: Fit, effect: ActiveEffect | None, value: Floats) -> Model:
+    """The model of a fit with a cause that is so much larger."""
+    model, eps = found.model, found.model.medium.anisotropy_ratio
+    if effect is None:
+        low, high = model.medium.limits(LEAST_EPS, MOST_EPS)
+        return replace(model, medium=model.medium.with_ratio(float(np.clip(eps + value[0], low, high))))
+    return with_values(model, [effect], np.array([eps, *(effect.coordinates[:-1] + value)]), model.effects)
 
 
 def _causes(motion: Motion, found: Fit) -> tuple[Differ, list[Cause]]:
@@ -230,7 +324,8 @@ def _causes(motion: Motion, found: Fit) -> tuple[Differ, list[Cause]]:
     whole, scores = np.array(information), np.array(score)
     parts = [slice(a, b) for a, b in zip(ends, ends[1:], strict=False)]
     return Differ(np.array(squares), np.array(count)), [
-        Cause(name, sign, whole[:, p, p], scores[:, p]) for name, sign, p in zip(named, signs, parts, strict=True)
+        Cause(name, sign, whole[:, p, p], scores[:, p], effect)
+        for name, sign, p, effect in zip(named, signs, parts, [None, *(e for e, _ in tried)], strict=True)
     ]
 
 
@@ -277,7 +372,8 @@ def _best(
     ways = [(size, alike[key]) for key in alike if key == tuple(best)]
     ways += [(-size, alike[key]) for key in alike if key == tuple(-best)]  # the same, undone
     acts, rests = _sides(cause.sign, ways, strays)
-    return _Found(max(differ.total - float(gains[at, moment]), 0.0), cause.called, chance, acts, rests)
+    left = max(differ.total - float(gains[at, moment]), 0.0)
+    return _Found(left, cause, chance, len(alike), acts, rests)
 
 
 def _sides(
