@@ -338,6 +338,11 @@ def _sign(candidate: ActiveEffect) -> int:
     return int(p.resting <= low) - int(p.resting >= high)
 
 
+def runs_of(count: int) -> list[np.ndarray]:
+    """Trials (T,) in which a cause may act that began with one of them, and of one that went again before the last."""
+    return [*_begun(count), *_gone(count)]
+
+
 def _begun(count: int) -> Iterator[np.ndarray]:
     """Trials (T,) in which a cause acts that began with one of them."""
     for first in range(1, count):

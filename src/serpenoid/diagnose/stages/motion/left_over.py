@@ -11,6 +11,7 @@ from serpenoid.diagnose.inference.doubt.differing import Differing
 from serpenoid.diagnose.inference.fits.finding import Divided
 from serpenoid.diagnose.inference.search.names import Refused
 from serpenoid.diagnose.inference.search.select import Selection
+from serpenoid.diagnose.residuals.begun_with_a_gait import begun_with_a_gait
 from serpenoid.diagnose.residuals.from_trial_to_trial import after_some, as_floors_do, more_than_before, one_in_each
 from serpenoid.diagnose.residuals.in_some_trials import one_cause_in_some
 from serpenoid.diagnose.residuals.residual_words import pattern
@@ -58,6 +59,8 @@ def left_over(found: Selection, parts: Differing | None, mend: bool) -> tuple[tu
     floors = () if divided is not None else as_floors_do(motion, predictions, eps)
     if divided is None and words and not floors:
         divided = after_some(motion, found.null.model)
+        if divided is None and not found.best.effects:
+            divided = begun_with_a_gait(motion, found.null)
     if divided is not None:
         return (*words, divided.words), divided
     return (*words, *(floors or (one_in_each(motion, predictions, eps) if words else ()))), hint
