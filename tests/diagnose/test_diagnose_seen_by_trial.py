@@ -15,9 +15,10 @@ from serpenoid.diagnose.data.recordings.markers_by_trial import put_back
 from serpenoid.diagnose.data.recordings.reading import read_recordings
 from serpenoid.diagnose.data.recordings.recording import Recording
 from serpenoid.diagnose.data.shapes.geometry import register, shapes, turn
+from serpenoid.diagnose.stages.by_trial import two_values
 from serpenoid.diagnose.stages.observation.looked import Looked
 from serpenoid.diagnose.stages.observation.marker_evidence import sample
-from serpenoid.diagnose.stages.observation.seen_by_trial import seen_by_trial, slipping, two_values
+from serpenoid.diagnose.stages.observation.seen_by_trial import seen_by_trial, slipping
 
 FITS = 6
 

@@ -19,9 +19,10 @@ from serpenoid.diagnose.stages.actuation.actuation_refit import refined
 from serpenoid.diagnose.stages.actuation.actuation_search import Played, each_its_own, next_one, numbers_of, of_all_anew
 from serpenoid.diagnose.stages.actuation.displaced_markers import displaced_marker
 from serpenoid.diagnose.stages.actuation.gone import as_neutral
-from serpenoid.diagnose.stages.actuation.law_by_trial import ByTrial, law_by_trial
+from serpenoid.diagnose.stages.actuation.law_by_trial import law_by_trial
 from serpenoid.diagnose.stages.actuation.plays import Plays
 from serpenoid.diagnose.stages.actuation.trials_astray import trials_astray
+from serpenoid.diagnose.stages.by_trial import ByTrial
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import ActuationEffect
 from serpenoid.files.store import remembered
@@ -99,7 +100,7 @@ def _chosen(data: Plays) -> tuple[Stage, Played]:
     words: tuple[str, ...] = (_unlike(best, worst, left),) if misses else ()
     words += () if divided is None else (divided.words,)
     some = divided is not None and divided.changed  # a law that acts in these alone leaves much where it acts in all
-    if by_trial is not None and divided is not None and divided.words == by_trial.words:  # it is their law
+    if by_trial is not None and divided is not None and divided in by_trial.said:  # it is their law
         refused = by_trial.of_others(refused)
     words += refused if misses and not some else ()
     named = tuple(n for n in every if n.strength >= VISIBLE and not n.may_change_nothing)
@@ -144,9 +145,10 @@ def _divided(best: Played, bare: Played, joint: int, law: ByTrial | None) -> Div
     trial to trial; where it does so steadily, there are no two sides."""
     if law is not None and law.steady:
         return Divided(law.words)
+    by_law = None if law is None else law.said[-1]
     found, told = (trials_astray(best.data, of.angles, joint) for of in (best, bare))
     if told is None or not told.changed:
-        return Divided(law.words) if found is None and law is not None else found
+        return by_law if found is None else found
     if found is not None and found.changed and (found.changed == told.changed or _fewer_moments(best, found, told)):
         return found
     return replace(told, perhaps=True)

@@ -9,8 +9,7 @@ Legend: R log rows, T trials, m joints.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,25 +19,11 @@ from serpenoid.diagnose.inference.doubt.law_error import LAW_ERROR, ON_A_LINE
 from serpenoid.diagnose.inference.fits.finding import VISIBLE
 from serpenoid.diagnose.stages.actuation.actuation_by_joint import fit_everywhere
 from serpenoid.diagnose.stages.actuation.plays import Plays
+from serpenoid.diagnose.stages.by_trial import ByTrial, divided, said_by_trial
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
-from serpenoid.wording import listed
 
 Key = tuple[str, int | None]
-
-
-@dataclass(frozen=True)
-class ByTrial:
-    """How a law differs from trial to trial, in words; steady: whether it runs one way, and not mostly by one step;
-    called: the effects that do."""
-
-    words: str
-    steady: bool
-    called: tuple[str, ...] = ()
-
-    def of_others(self, refused: Sequence[str]) -> tuple[str, ...]:
-        """Why effects were refused (`lawful`), but for these: that they differ is why."""
-        return tuple(w for w in refused if not any(w.startswith(f"{e} would") for e in self.called))
 
 
 def law_by_trial(data: Plays, found: Sequence[ActiveEffect], suspects: Sequence[ActiveEffect]) -> ByTrial | None:
@@ -64,8 +49,12 @@ def law_by_trial(data: Plays, found: Sequence[ActiveEffect], suspects: Sequence[
     acts = [t for t in range(trials) if does[t] > VISIBLE] if share < LAW_ERROR else []
     if len(acts) < ON_A_LINE:
         return None
-    joints = data.readings.shape[1]
-    return said_by_trial([effects[t] for t in acts], [data.recordings[t].name for t in acts], joints)
+    joints, names = data.readings.shape[1], [r.name for r in data.recordings]
+    said = said_by_trial([effects[t] for t in acts], [names[t] for t in acts], joints)
+    if len(effects[0]) > 1 or said.steady:
+        return said
+    sides = divided([e for (e,) in effects], names, said.words)
+    return replace(said, divided=sides if sides.changed else None)
 
 
 def _groups(suspects: Sequence[ActiveEffect]) -> list[list[Key]]:
@@ -105,35 +94,3 @@ def _judged(data: Plays, fits: Sequence[ActiveEffect], others: Sequence[ActiveEf
 def _beyond(data: Plays, chi2: Floats) -> Floats:
     """Mean square (m,) of what is left beyond noise."""
     return np.maximum(chi2 / data.often - 1, 0.0)
-
-
-def said_by_trial(effects: Sequence[Sequence[ActiveEffect]], names: Sequence[str], joints: int) -> ByTrial:
-    """How values of an effect, in the mean of several joints, run from trial to trial; joints: of the body."""
-    of = effects[0][0]
-    numbers = [[np.mean([e.parameters[p.name] for e in some]) for p in of.effect.parameters] for some in effects]
-    values, units = np.array(numbers), [p.unit for p in of.effect.parameters]
-    way = values @ (values[-1] - values[0]) if len(set(units)) == 1 else values[:, 0]  # of one kind: how far they run
-    steady, runs = _steady(way), []
-    for p, run in zip(of.effect.parameters, values.T, strict=True):
-        first, last = (0, -1) if steady else (int(run.argmin()), int(run.argmax()))
-        told = (f"{with_unit(run[t], p.unit, np.abs(run).max())} in `{names[t]}`" for t in (first, last))
-        runs.append(f"{p.name} {', '.join(told)}")
-    how = "changes steadily" if steady else "differs"
-    where = "all joints" if len(effects[0]) == joints else f"joints {listed([str(e.place) for e in effects[0]])}"
-    called, mean = (of.called, "") if len(effects[0]) == 1 else (f"{of.name} at {where}", " in the mean")
-    words = f"{called} {how} from trial to trial: {', and '.join(runs)}{mean}"
-    return ByTrial(words, steady, tuple(e.called for e in effects[0]))
-
-
-def with_unit(value: float, unit: str, largest: float) -> str:
-    """A value of a run, by three digits of its largest."""
-    scale, unit = (1e3, " mm") if unit == "m" else (1.0, "" if unit == "1" else f" {unit}")
-    digits = 2 - int(np.floor(np.log10(max(scale * largest, 1e-12))))
-    return f"{round(scale * value, digits) + 0.0:g}{unit}"
-
-
-def _steady(values: Floats) -> bool:
-    """Whether values run one way from trial to trial, but for a law's error, and by no step that is most of the way."""
-    steps = np.array([b - a for a, b in pairwise(values)])
-    way = abs(steps.sum())
-    return bool(way > (1 - LAW_ERROR) * np.abs(steps).sum() and np.abs(steps).max() < way / 2)

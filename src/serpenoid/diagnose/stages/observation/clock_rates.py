@@ -12,8 +12,8 @@ from serpenoid.diagnose.data.chance import NORMAL, SYSTEMATIC
 from serpenoid.diagnose.data.recordings.clocks import pooled, run_apart
 from serpenoid.diagnose.data.recordings.recording import Recording
 from serpenoid.diagnose.inference.fits.finding import VISIBLE, Divided, Named, interval
+from serpenoid.diagnose.stages.by_trial import divided
 from serpenoid.diagnose.stages.observation.looked import Looked
-from serpenoid.diagnose.stages.observation.seen_by_trial import divided
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.effects.base import Effect
 from serpenoid.effects.catalogue import marking

@@ -14,17 +14,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from serpenoid.body import Floats
 from serpenoid.diagnose.data.cameras.columns import columns_of
 from serpenoid.diagnose.data.cameras.observation import Observation
 from serpenoid.diagnose.data.recordings.recording import Recording
 from serpenoid.diagnose.inference.doubt.law_error import LAW_ERROR, ON_A_LINE
-from serpenoid.diagnose.inference.fits.finding import Divided, alone
+from serpenoid.diagnose.inference.fits.finding import Divided
 from serpenoid.diagnose.inference.fits.prices import Priced, cheapest
-from serpenoid.diagnose.stages.actuation.law_by_trial import ByTrial, said_by_trial, with_unit
+from serpenoid.diagnose.stages.by_trial import ByTrial, divided, said_by_trial
 from serpenoid.diagnose.stages.observation.looked import Key, Looked, effect_of, solved
 from serpenoid.diagnose.stages.observation.marker_evidence import sample
-from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
 
 
@@ -79,39 +77,6 @@ def seen_by_trial(recordings: Sequence[Recording], best: Looked, full_fits: int)
     all_numbers = numbers[found] + len(best.own)
     models, priced = tuple(p.now for p in fits[found]), Priced(left[found], all_numbers, count)
     return SeenByTrial(said, models, tried[found], priced, divided([e for (e,) in effects], names, said.words))
-
-
-def divided(effects: Sequence[ActiveEffect], names: Sequence[str], words: str) -> Divided:
-    """Trials by an effect's values in each: those in which there is more of it, and the others; in other words where
-    there are no two values."""
-    parameters = effects[0].effect.parameters
-    values = np.array([[e.parameters[p.name] for p in parameters] for e in effects])
-    acts = two_values(values if len({p.unit for p in parameters}) == 1 else values[:, :1])
-    if acts is None:
-        return Divided(words)
-    changed, others = (tuple(n for n, a in zip(names, acts, strict=True) if a is side) for side in (True, False))
-    means = zip(parameters, values[acts].mean(axis=0), values[~np.array(acts)].mean(axis=0), strict=True)
-    sizes = [(p, a, b, max(abs(a), abs(b))) for p, a, b in means]
-    runs = [
-        f"{p.name} {with_unit(a, p.unit, most)} there, {with_unit(b, p.unit, most)} else" for p, a, b, most in sizes
-    ]
-    where = alone(changed, others)
-    return Divided(f"{effects[0].called} is another in {where}: {', and '.join(runs)}", changed, others)
-
-
-def two_values(values: Floats) -> list[bool] | None:
-    """Of values (T, C) in each trial, whether they are the larger ones of two; None where they differ within the two
-    sides by LAW_ERROR of what they differ by, as values on a line do."""
-    about = values - values.mean(axis=0)
-    along = about @ np.linalg.svd(about, full_matrices=False)[2][0]
-    order = np.argsort(along)
-    ways = [np.isin(np.arange(len(values)), order[:first]) for first in range(1, len(values))]
-    within = [sum(((values[side] - values[side].mean(axis=0)) ** 2).sum() for side in (w, ~w)) for w in ways]
-    best = int(np.argmin(within))
-    if within[best] >= LAW_ERROR**2 * (about**2).sum():
-        return None
-    size = [float(np.linalg.norm(values[side].mean(axis=0))) for side in (ways[best], ~ways[best])]
-    return [bool(x) for x in (ways[best] if size[0] > size[1] else ~ways[best])]
 
 
 def _fitted(parts: Sequence[Looked], key: Key) -> list[Looked]:
