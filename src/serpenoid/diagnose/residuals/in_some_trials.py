@@ -10,8 +10,8 @@ is held against what pairs make of it one by one (Fisher's F): chance that lasts
 pair, so pairs are weighed as in a model of random effects (DerSimonian and Laird, Controlled Clinical Trials 7, 177,
 1986), by how far their numbers scatter beside what windows tell of each. The error is stated for all moments together.
 Trials are taken to be listed in the order in which they were played. A cause that began takes one moment;
-what takes its place must leave less than LAW_ERROR of what that leaves: one that went again, or that grows evenly from
-trial to trial (s: how many were before it). Repeats that were all played as many trials later do not tell growth from a
+what takes its place must leave less than LAW_ERROR of what that leaves, of all or of what pairs do not agree about: one
+that went again, or that grows evenly from trial to trial (s: how many were before it). Repeats that were all played as many trials later do not tell growth from a
 beginning if there are two of each setting; of three rounds the middle one does, and the last is held against the first.
 Gait by gait, what differs by as much from one repeat to the next need not grow from gait to gait: nothing is told.
 What is no chance, though every cause that was tried counts, and less than most of what repeats differ by, is a hint at
@@ -90,15 +90,15 @@ class Cause:
         """Its numbers (C,), where it acts by signs (P,)."""
         return np.asarray(self._inverse(signs[None])[0] @ (signs @ self.score))
 
-    def chance(self, signs: Floats, differ: Differ) -> float:
-        """How likely pairs agree so well on how large it is by chance."""
+    def agreed(self, signs: Floats, differ: Differ) -> Agreed:
+        """How well pairs agree on how large it is."""
         value = self.value(signs)
         known = np.einsum("i,pij,j->p", value, self.information, value)
         told = known > 1e-9 * known.max(initial=0.0)
         signs, known, score = signs[told], known[told], (self.score @ value)[told]
         freedom = len(known) - len(value)
         if freedom < 1 or not (signs**2 * known).sum() > 0:
-            return 1.0
+            return Agreed()
         own = score / known  # how large each pair would have it, of what all have
         noise = float((differ.squares[told] - score * own).sum() / np.maximum(differ.count[told] - 1, 1).sum())
         spread = _spread(own - signs, known, noise, freedom)
@@ -106,7 +106,16 @@ class Cause:
         mean = float((weight * signs * own).sum() / (weight * signs**2).sum())
         explained = mean**2 * float((weight * signs**2).sum())
         left = float((weight * (own - signs * mean) ** 2).sum())
-        return float(fdtrc(len(value), freedom, explained / len(value) / (max(left, 1e-12) / freedom)))
+        left = max(left, 1e-12)
+        chance = float(fdtrc(len(value), freedom, explained / len(value) / (left / freedom)))
+        return Agreed(chance, left / (explained + left))
+
+
+class Agreed(NamedTuple):
+    """How likely pairs agree so well by chance; what they do not agree about, as a share."""
+
+    chance: float = 1.0
+    apart: float = 1.0
 
 
 def _spread(left: Floats, known: Floats, noise: float, freedom: int) -> float:
@@ -118,11 +127,13 @@ def _spread(left: Floats, known: Floats, noise: float, freedom: int) -> float:
 @dataclass(frozen=True)
 class _Found:
     """The best cause at the best moment of several: squares that it leaves, how likely chance takes away as much at one
-    of so many moments, and trials (T,) in which it acts for sure, and in which it does not."""
+    of so many moments, what pairs do not agree about, as a share, and trials (T,) in which it acts for sure, and in
+    which it does not."""
 
     left: float
     cause: Cause
     chance: float
+    apart: float
     moments: int
     acts: np.ndarray
     rests: np.ndarray
@@ -131,6 +142,12 @@ class _Found:
     def called(self) -> str:
         """The cause's name."""
         return self.cause.called
+
+    def far_less_than(self, other: _Found) -> bool:
+        """Whether it leaves far less than another: of all squares, or of what pairs do not agree about, where chance
+        makes that no more likely."""
+        agree = self.apart < LAW_ERROR**2 * other.apart and self.chance < other.chance and self.left < other.left
+        return agree or self.left < LAW_ERROR**2 * other.left
 
 
 def one_cause_in_some(motion: Motion, found: Fit, since: Collection[str] = ()) -> Divided | None:
@@ -202,7 +219,7 @@ def _first(found: Sequence[_Found]) -> _Found | None:
     """What leaves far less than those before it."""
     best = None
     for other in found:
-        if best is None or other.left < LAW_ERROR**2 * best.left:
+        if best is None or other.far_less_than(best):
             best = other
     return best
 
@@ -240,8 +257,8 @@ def _in_full(motion: Motion, found: Fit, played: Sequence[tuple[int, int]], best
             break
     if not now.left < best.left:
         return best
-    chance = now.cause.chance(signs, now.differ) * best.moments
-    return replace(best, left=now.left, cause=now.cause, chance=chance)
+    agreed = now.cause.agreed(signs, now.differ)
+    return replace(best, left=now.left, cause=now.cause, chance=agreed.chance * best.moments, apart=agreed.apart)
 
 
 class _Acting(NamedTuple):
@@ -372,13 +389,13 @@ def _best(
     gains = np.array([c.gains(signs) for c in causes])
     at, moment = (int(i) for i in np.unravel_index(int(gains.argmax()), gains.shape))
     cause, best = causes[at], signs[moment]
-    chance = cause.chance(best, differ) * len(alike)
+    agreed = cause.agreed(best, differ)
     size = float((best @ cause.score)[0])
     ways = [(size, alike[key]) for key in alike if key == tuple(best)]
     ways += [(-size, alike[key]) for key in alike if key == tuple(-best)]  # the same, undone
     acts, rests = _sides(cause.sign, ways, strays)
     left = max(differ.total - float(gains[at, moment]), 0.0)
-    return _Found(left, cause, chance, len(alike), acts, rests)
+    return _Found(left, cause, agreed.chance * len(alike), agreed.apart, len(alike), acts, rests)
 
 
 def _sides(
