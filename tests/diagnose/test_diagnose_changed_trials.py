@@ -288,6 +288,60 @@ def wearing(gaits: int) -> Campaign:
     return Campaign(healthy.identity, healthy.seed, healthy.protocol, (), healthy.world, trials)
 
 
+def begun_in(hidden: Effect, gaits: int, trials: Callable[[list[str]], set[str]], by_gait: bool) -> Campaign:
+    """An effect acts in some trials, by name; round by round or gait by gait."""
+    few = protocol(gaits)
+    healthy, changed = (make(63, effects, "now", protocol=few, chance=(1,)) for effects in ([], [hidden]))
+    order = sorted((t.name for t in healthy.trials), key=lambda n: n if by_gait else n.rpartition("-")[::-1])
+    acts = trials(order)
+    of = {t.name: t for t in healthy.trials} | {t.name: t for t in changed.trials if t.name in acts}
+    return Campaign(healthy.identity, healthy.seed, healthy.protocol, (), healthy.world, tuple(of[n] for n in order))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("hidden", "gaits", "first", "by_gait"),
+    [
+        (Effect("forward_backward_asymmetry", None, {"asymmetry": -0.4}), 4, 5, False),
+        (Effect("left_right_asymmetry", None, {"asymmetry": -0.2}), 5, 8, True),  # no repeat shows it
+        (Effect("servo_delay", None, {"delay": 0.05}), 3, 4, False),
+    ],
+)
+def test_what_begins_is_told_with_its_trials_and_its_value(
+    hidden: Effect, gaits: int, first: int, by_gait: bool, tmp_path: Path
+) -> None:
+    campaign = begun_in(hidden, gaits, lambda order: set(order[first:]), by_gait)
+    write(campaign, tmp_path / "now")
+    said = diagnosed(tmp_path / "now", tmp_path / "out")
+    changed = said["changed_trials"]
+    assert set(changed["trials"]) == {t.name for t in campaign.trials[first:]}
+    assert changed["diagnosis"]["verdict"] == "explained"
+    (found,) = changed["diagnosis"]["effects"]
+    assert found["name"] == hidden.name
+    ((name, true),) = hidden.parameters.items()
+    low, high = found["parameters"][name]["interval"]
+    assert low < true < high
+
+
+@pytest.mark.slow
+def test_gaits_that_a_law_gets_wrong_are_no_beginning(tmp_path: Path) -> None:
+    """Gait by gait, and the same law acts in all trials: what is not in the catalogue divides none of them."""
+    few = protocol(5)
+    law = [Effect("rolling_resistance", None, {"crossover_speed": 0.05})]
+    write(make(63, law, "now", protocol=few, chance=(1,)), tmp_path / "now")
+    said = diagnosed(tmp_path / "now", tmp_path / "out", "--without=rolling_resistance")
+    assert said["changed_trials"] is None
+
+
+def test_a_cause_that_went_again_is_told_by_what_pairs_agree_about() -> None:
+    """Windows are noisy, so that what is left of all squares tells the two less apart than pairs do."""
+    pairs = [(g, g + 5) for g in range(5)] + [(g + 5, g + 10) for g in range(5)]
+    theta = np.r_[np.zeros(6), np.full(8, 1.5), 0.0]
+    found = told(theta, np.random.default_rng(5), pairs)
+    assert found is not None
+    assert set(found.others) == {"t0", "t1", "t2", "t3", "t4", "t5", "t14"}
+
+
 @pytest.mark.slow
 def test_what_grows_gait_by_gait_leaves_no_unmarked_name(tmp_path: Path) -> None:
     """Of another place or law, that is: all trials are as if another law acted in all of them."""

@@ -4,9 +4,9 @@ Then gaits differ by it, as they may by any error of the law. So it is told only
 
     r_t = J_eps d_eps + s_t J theta + e,    s_t: 1 in trials in which it acts, else 0
 
-Every cause at every moment that parts no repeats is tried to first order, the best is fitted in full (Gauss-Newton),
-and what it leaves is asked for any pattern. Which trials are the changed ones is a guess (`perhaps`): it is told if
-they are explained alone.
+Every cause at every moment that parts no repeats is tried to first order, and one that grows evenly over the trials'
+order. The best, if it is one that began, is fitted in full, and what it leaves is asked for any pattern. Which trials
+are the changed ones is a guess (`perhaps`): it is told if they are explained alone.
 
 Legend: T trials.
 """
@@ -17,15 +17,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from serpenoid.body import Floats
 from serpenoid.diagnose.data.noise.motion import Motion
 from serpenoid.diagnose.data.noise.paths import path_error
 from serpenoid.diagnose.data.noise.repeats import pairs
 from serpenoid.diagnose.data.windows.windows import Prediction, columns_of, predictions
 from serpenoid.diagnose.inference.fits.finding import Divided
-from serpenoid.diagnose.inference.fits.medium import Fit, candidates_of, of_windows, with_values
+from serpenoid.diagnose.inference.fits.medium import Fit, candidates_of, of_windows
 from serpenoid.diagnose.inference.fits.prices import Priced, cheapest
-from serpenoid.diagnose.residuals.in_some_trials import CONVERGED, ROUNDS, runs_of
+from serpenoid.diagnose.residuals.acting import acting
+from serpenoid.diagnose.residuals.in_some_trials import runs_of
 from serpenoid.diagnose.residuals.residual_words import pattern
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.simulation.sensitivity import EPS
@@ -41,13 +41,14 @@ def begun_with_a_gait(motion: Motion, null: Fit) -> Divided | None:
         return None
     tried = [c for c in candidates_of(null) if not c.effect.remembers]  # as in growing.py
     predicted = predictions(null.model, motion.tracks, tried, null.predictions)
-    fits = [p for run in runs for p in _priced(motion, null, predicted, tried, run)]
+    growing = np.linspace(0, 1, len(motion.tracks))
+    fits = [p for shares in (*runs, growing) for p in _priced(motion, null, predicted, tried, shares)]
     best = cheapest(null.priced, fits, len(fits))
-    if best is None:
+    if best is None or best >= len(runs) * len(tried):
         return None
     at, which = divmod(best, len(tried))
     acts, cause = runs[at], tried[which]
-    left = _in_full(motion, null, cause, acts)
+    left = acting(motion, null, cause, acts).predicted
     if pattern(motion, left, path_error(motion, left)):
         return None
     changed, others = (
@@ -62,53 +63,13 @@ def begun_with_a_gait(motion: Motion, null: Fit) -> Divided | None:
 
 
 def _priced(
-    motion: Motion, null: Fit, predicted: Sequence[Prediction], tried: Sequence[ActiveEffect], acts: np.ndarray
+    motion: Motion, null: Fit, predicted: Sequence[Prediction], tried: Sequence[ActiveEffect], shares: np.ndarray
 ) -> list[Priced]:
-    """What each cause leaves beside eps, to first order, if it acts in some trials (T,) alone."""
+    """What each cause leaves beside eps, to first order, if so much of it acts in each trial (T,)."""
     columns = columns_of(tried)
-    by = [np.concatenate([p.by((EPS,)), x * p.by(columns)], axis=2) for p, x in zip(predicted, acts, strict=True)]
+    by = [np.concatenate([p.by((EPS,)), x * p.by(columns)], axis=2) for p, x in zip(predicted, shares, strict=True)]
     ends = [1, *(1 + np.cumsum([len(c.effect.parameters) for c in tried])).tolist()]
     groups = tuple(tuple(range(a, b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
     gains = of_windows(motion, predicted, by).gains(range(1), groups)
     count = null.priced.count
     return [Priced(null.chi2 - gained, 1 + len(g), count) for (gained, _), g in zip(gains, groups, strict=True)]
-
-
-def _in_full(motion: Motion, null: Fit, cause: ActiveEffect, acts: np.ndarray) -> list[Prediction]:
-    """What eps and a cause that acts in some trials (T,) predict, fitted together."""
-    x = np.array([null.model.medium.anisotropy_ratio, *cause.coordinates[:-1]])
-    predicted, left, step = _at(motion, null, cause, acts, x)
-    for _ in range(ROUNDS):
-        found, less, next_step = _at(motion, null, cause, acts, x + step)
-        if not less < left:
-            break
-        gained, x = left - less, x + step
-        predicted, left, step = found, less, next_step
-        if gained < CONVERGED:
-            break
-    return predicted
-
-
-def _at(
-    motion: Motion, null: Fit, cause: ActiveEffect, acts: np.ndarray, x: Floats
-) -> tuple[list[Prediction], float, Floats]:
-    """With eps and coordinates of the cause x (1 + P): what is predicted, chi squared of what is left, and the next
-    step."""
-    own = null.model.effects
-    still, moved = with_values(null.model, [], x[:1], own), with_values(null.model, [cause], x, own)
-    predicted = list(null.predictions)
-    for model, some in ((still, np.flatnonzero(~acts)), (moved, np.flatnonzero(acts))):
-        near = [null.predictions[i] for i in some]
-        for i, p in zip(some, predictions(model, [motion.tracks[i] for i in some], (), near), strict=True):
-            predicted[i] = p
-    size = len(columns_of([cause]))
-    by = [_padded(p.by((EPS,)), size) for p in predicted]
-    for i in np.flatnonzero(acts):
-        by[i] = predicted[i].by((EPS, *columns_of([cause])))
-    evidence = of_windows(motion, predicted, by)
-    return predicted, float(evidence.constant.sum()), evidence.solve(range(1 + size))[0]
-
-
-def _padded(by: Floats, more: int) -> Floats:
-    """Derivatives (B - 1, 3, P) with columns of nothing."""
-    return np.pad(by, [(0, 0), (0, 0), (0, more)])

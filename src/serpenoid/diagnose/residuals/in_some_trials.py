@@ -9,11 +9,12 @@ with one theta for all pairs. Every cause is tried at every moment. That which t
 is held against what pairs make of it one by one (Fisher's F): chance that lasts a whole trial is one number of each
 pair, so pairs are weighed as in a model of random effects (DerSimonian and Laird, Controlled Clinical Trials 7, 177,
 1986), by how far their numbers scatter beside what windows tell of each. The error is stated for all moments together.
-Trials are taken to be listed in the order in which they were played. A cause that began takes one moment;
-what takes its place must leave less than LAW_ERROR of what that leaves, of all or of what pairs do not agree about: one
-that went again, or that grows evenly from trial to trial (s: how many were before it). Repeats that were all played as many trials later do not tell growth from a
-beginning if there are two of each setting; of three rounds the middle one does, and the last is held against the first.
-Gait by gait, what differs by as much from one repeat to the next need not grow from gait to gait: nothing is told.
+Trials are taken to be listed in the order in which they were played. A cause that began takes one moment; what takes
+its place must leave less than LAW_ERROR of what that leaves, of all or of what pairs do not agree about: one that went
+again, or that grows evenly from trial to trial (s: how many were before it). Repeats that were all played as many
+trials later do not tell growth from a beginning if there are two of each setting; of three rounds the middle one does,
+and the last is held against the first. Gait by gait, what differs by as much from one repeat to the next need not grow
+from gait to gait: nothing is told.
 What is no chance, though every cause that was tried counts, and less than most of what repeats differ by, is a hint at
 what hides in the noise, and no more.
 
@@ -37,20 +38,18 @@ from serpenoid.body import Floats
 from serpenoid.diagnose.data.chance import LEFT
 from serpenoid.diagnose.data.noise.motion import Motion
 from serpenoid.diagnose.data.noise.noise import residuals
-from serpenoid.diagnose.data.noise.repeats import pairs, repeats
+from serpenoid.diagnose.data.noise.repeats import Repeat, pairs, repeats
 from serpenoid.diagnose.data.windows.windows import columns_of, predictions
 from serpenoid.diagnose.inference.doubt.law_error import LAW_ERROR
-from serpenoid.diagnose.inference.fits.bounds import LEAST_EPS, MOST_EPS
 from serpenoid.diagnose.inference.fits.finding import Divided
-from serpenoid.diagnose.inference.fits.medium import Fit, candidates_of, with_values
+from serpenoid.diagnose.inference.fits.medium import Fit, candidates_of
+from serpenoid.diagnose.residuals.acting import acting
 from serpenoid.diagnose.residuals.from_trial_to_trial import MOST
 from serpenoid.effects.active import ActiveEffect
-from serpenoid.model import Model
 from serpenoid.simulation.sensitivity import EPS, Column
 from serpenoid.wording import listed
 
 FEW = 3  # pairs: two lie on a line with any third number
-ROUNDS, CONVERGED = 8, 0.02  # steps of a fit in full; squares that end it
 
 
 @dataclass(frozen=True)
@@ -244,74 +243,34 @@ def _mostly(found: _Found, squares: float) -> bool:
 
 
 def _in_full(motion: Motion, found: Fit, played: Sequence[tuple[int, int]], best: _Found) -> _Found:
-    """The same with its cause fitted in full (Gauss-Newton) in the trials in which it acts; as it was where no step of
-    it leaves less."""
+    """The same with its cause fitted in full in the trials in which it acts; as it was if that leaves no less."""
     signs = np.array([float(best.acts[b]) - float(best.acts[a]) for a, b in played])
-    now = _acting(motion, found, best, best.cause.value(signs))
-    for _ in range(ROUNDS):
-        new = _acting(motion, found, best, now.cause.value(signs))
-        if not new.left < now.left:
-            break
-        gained, now = now.left - new.left, new
-        if gained < CONVERGED:
-            break
-    if not now.left < best.left:
-        return best
-    agreed = now.cause.agreed(signs, now.differ)
-    return replace(best, left=now.left, cause=now.cause, chance=agreed.chance * best.moments, apart=agreed.apart)
-
-
-class _Acting(NamedTuple):
-    """A cause with its numbers: squares that it leaves, what pairs say of it by its derivatives there, and what they
-    differ by without it, to first order."""
-
-    left: float
-    cause: Cause
-    differ: Differ
-
-
-def _acting(motion: Motion, found: Fit, best: _Found, value: Floats) -> _Acting:
-    """A cause of this size in the trials in which it acts."""
-    effect, tracks = best.cause.effect, motion.tracks
-    columns: tuple[Column, ...] = (EPS,) if effect is None else columns_of([effect])
-    predicted = predictions(found.model, tracks, _candidates(found, effect), found.predictions)
-    some = np.flatnonzero(best.acts)
-    own = predictions(_with(found, effect, value), [tracks[i] for i in some], (), [predicted[i] for i in some])
-    for i, p in zip(some, own, strict=True):
-        predicted[i] = p
-    left, by = residuals(tracks, predicted), [p.by(columns) for p in predicted]
-    away, squares, count, information, score = 0.0, [], [], [], []
-    for repeat in repeats(tracks):
-        one, other = repeat.both(left)
-        here, there = repeat.both(by)
-        s = float(best.acts[repeat.other]) - float(best.acts[repeat.one])
-        slopes = (here + there) / 2 if not s else there if s > 0 else here
-        d, slopes = (other - one) / motion.noise.playing, slopes / motion.noise.playing[:, None]
-        known = np.isfinite(d).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2))
-        known &= tracks[repeat.one].playing[repeat.here]
-        rows, flat = d[known].ravel(), slopes[known].reshape(-1, len(columns))
-        away += float(rows @ rows)
-        whole = rows + s * flat @ value  # what the pair differs by
-        squares.append(float(whole @ whole))
+    fitted = acting(motion, found, best.cause.effect, best.acts)
+    left, squares, count, information, score = 0.0, [], [], [], []
+    for repeat, s in zip(repeats(motion.tracks), signs, strict=True):
+        one, other = repeat.both(residuals(motion.tracks, fitted.predicted))
+        here, there = repeat.both(fitted.by)
+        d, slopes = other - one, (here + there) / 2 if not s else there if s > 0 else here
+        rows, flat = _white(motion, repeat, d, slopes)
+        left += float(rows @ rows)
+        differ = rows + s * flat @ fitted.change  # without the cause, to first order
+        squares.append(float(differ @ differ))
         count.append(float(len(rows)))
         information.append(flat.T @ flat)
-        score.append(flat.T @ whole)
+        score.append(flat.T @ differ)
+    if not left < best.left:
+        return best
     cause = replace(best.cause, information=np.array(information), score=np.array(score))
-    return _Acting(away, cause, Differ(np.array(squares), np.array(count)))
+    agreed = cause.agreed(signs, Differ(np.array(squares), np.array(count)))
+    return replace(best, left=left, cause=cause, chance=agreed.chance * best.moments, apart=agreed.apart)
 
 
-def _candidates(found: Fit, effect: ActiveEffect | None) -> list[ActiveEffect]:
-    """The effect, if the model has it not."""
-    return [] if effect is None or effect.key in {e.key for e in found.model.effects} else [effect]
-
-
-def _with(found: Fit, effect: ActiveEffect | None, value: Floats) -> Model:
-    """The model of a fit with a cause that is so much larger."""
-    model, eps = found.model, found.model.medium.anisotropy_ratio
-    if effect is None:
-        low, high = model.medium.limits(LEAST_EPS, MOST_EPS)
-        return replace(model, medium=model.medium.with_ratio(float(np.clip(eps + value[0], low, high))))
-    return with_values(model, [effect], np.array([eps, *(effect.coordinates[:-1] + value)]), model.effects)
+def _white(motion: Motion, repeat: Repeat, d: Floats, slopes: Floats) -> tuple[Floats, Floats]:
+    """What a pair differs by (R,), and its derivatives (R, C), in units of chance, while playing."""
+    d, slopes = d / motion.noise.playing, slopes / motion.noise.playing[:, None]
+    known = np.isfinite(d).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2))
+    known &= motion.tracks[repeat.one].playing[repeat.here]
+    return d[known].ravel(), slopes[known].reshape(-1, slopes.shape[2])
 
 
 def _causes(motion: Motion, found: Fit) -> tuple[Differ, list[Cause]]:
@@ -324,15 +283,11 @@ def _causes(motion: Motion, found: Fit) -> tuple[Differ, list[Cause]]:
     every = [c for of in columns for c in of]
     predicted = predictions(found.model, motion.tracks, candidates, found.predictions)
     left, by = residuals(motion.tracks, predicted), [p.by(every) for p in predicted]
-    sd = motion.noise.playing
     squares, count, information, score = [], [], [], []
     for repeat in repeats(motion.tracks):
         one, other = repeat.both(left)
         here, there = repeat.both(by)
-        d, slopes = (other - one) / sd, (here + there) / 2 / sd[:, None]
-        known = np.isfinite(d).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2))
-        known &= motion.tracks[repeat.one].playing[repeat.here]
-        rows, flat = d[known].ravel(), slopes[known].reshape(-1, len(every))
+        rows, flat = _white(motion, repeat, other - one, (here + there) / 2)
         squares.append(float(rows @ rows))
         count.append(float(len(rows)))
         information.append(flat.T @ flat)
