@@ -13,22 +13,19 @@ Legend: T trials.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from serpenoid.diagnose.data.noise.motion import Motion
 from serpenoid.diagnose.data.noise.paths import path_error
 from serpenoid.diagnose.data.noise.repeats import pairs
-from serpenoid.diagnose.data.windows.windows import Prediction, columns_of, predictions
+from serpenoid.diagnose.data.windows.windows import predictions
+from serpenoid.diagnose.inference.doubt.growing import priced_by_shares
 from serpenoid.diagnose.inference.fits.finding import Divided
-from serpenoid.diagnose.inference.fits.medium import Fit, candidates_of, of_windows
-from serpenoid.diagnose.inference.fits.prices import Priced, cheapest
+from serpenoid.diagnose.inference.fits.medium import Fit, candidates_of
+from serpenoid.diagnose.inference.fits.prices import cheapest
 from serpenoid.diagnose.residuals.acting import acting
 from serpenoid.diagnose.residuals.in_some_trials import runs_of
 from serpenoid.diagnose.residuals.residual_words import pattern
-from serpenoid.effects.active import ActiveEffect
-from serpenoid.simulation.sensitivity import EPS
 from serpenoid.wording import listed
 
 
@@ -41,10 +38,10 @@ def begun_with_a_gait(motion: Motion, null: Fit) -> Divided | None:
         return None
     tried = [c for c in candidates_of(null) if not c.effect.remembers]  # as in growing.py
     predicted = predictions(null.model, motion.tracks, tried, null.predictions)
-    growing = np.linspace(0, 1, len(motion.tracks))
-    fits = [p for shares in (*runs, growing) for p in _priced(motion, null, predicted, tried, shares)]
-    best = cheapest(null.priced, fits, len(fits))
-    if best is None or best >= len(runs) * len(tried):
+    begun = [p for run in runs for p in priced_by_shares(motion, null, predicted, tried, run)[1:]]  # eps is each gait's
+    growing = priced_by_shares(motion, null, predicted, tried, np.linspace(0, 1, len(motion.tracks)))
+    best = cheapest(null.priced, [*begun, *growing], len(begun) + len(growing))
+    if best is None or best >= len(begun):
         return None
     at, which = divmod(best, len(tried))
     acts, cause = runs[at], tried[which]
@@ -60,16 +57,3 @@ def begun_with_a_gait(motion: Motion, null: Fit) -> Divided | None:
         "other trials alone, leaves nothing but chance: play all gaits, then all of them again, to be sure"
     )
     return Divided(words, changed, others, perhaps=True, any_gait=True, cause=f"`{cause.called}`")
-
-
-def _priced(
-    motion: Motion, null: Fit, predicted: Sequence[Prediction], tried: Sequence[ActiveEffect], shares: np.ndarray
-) -> list[Priced]:
-    """What each cause leaves beside eps, to first order, if so much of it acts in each trial (T,)."""
-    columns = columns_of(tried)
-    by = [np.concatenate([p.by((EPS,)), x * p.by(columns)], axis=2) for p, x in zip(predicted, shares, strict=True)]
-    ends = [1, *(1 + np.cumsum([len(c.effect.parameters) for c in tried])).tolist()]
-    groups = tuple(tuple(range(a, b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
-    gains = of_windows(motion, predicted, by).gains(range(1), groups)
-    count = null.priced.count
-    return [Priced(null.chi2 - gained, 1 + len(g), count) for (gained, _), g in zip(gains, groups, strict=True)]

@@ -20,9 +20,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.noise.motion import Motion
 from serpenoid.diagnose.data.windows.windows import Prediction, columns_of, predictions
 from serpenoid.diagnose.inference.doubt.law_error import ON_A_LINE
-from serpenoid.diagnose.inference.fits.medium import candidates_of, of_windows
+from serpenoid.diagnose.inference.fits.medium import Fit, candidates_of, of_windows
 from serpenoid.diagnose.inference.fits.prices import Priced, cheapest
 from serpenoid.diagnose.inference.search.select import Selection
 from serpenoid.effects.active import ActiveEffect
@@ -37,10 +38,12 @@ def grows_instead(found: Selection) -> str:
         return ""
     tried = [c for c in candidates_of(null) if not c.effect.remembers]  # to first order what does explains all pauses
     predicted = predictions(null.model, motion.tracks, tried, null.predictions)
-    rivals = _priced(found, predicted, tried, np.linspace(0, 1, len(motion.tracks)))
+    rivals = priced_by_shares(motion, null, predicted, tried, np.linspace(0, 1, len(motion.tracks)))
     alike = best.priced
     if not best.effects:
-        same = _priced(found, predicted, tried, np.ones(len(motion.tracks)))[1:]  # eps is in all of them
+        same = priced_by_shares(motion, null, predicted, tried, np.ones(len(motion.tracks)))[
+            1:
+        ]  # eps is in all of them
         least = cheapest(alike, same, len(same))
         alike = alike if least is None else same[least]
     cheaper = cheapest(alike, rivals, len(rivals))
@@ -51,14 +54,15 @@ def grows_instead(found: Selection) -> str:
     return f"one cause that grows from trial to trial (to first order {called}) explains more than {named}: {GROWING}"
 
 
-def _priced(
-    found: Selection, predicted: Sequence[Prediction], tried: Sequence[ActiveEffect], shares: Floats
+def priced_by_shares(
+    motion: Motion, null: Fit, predicted: Sequence[Prediction], tried: Sequence[ActiveEffect], shares: Floats
 ) -> list[Priced]:
-    """What eps, and each effect, leaves to first order beside eps, where so much of it acts in each trial (T,)."""
-    motion, columns = found.motion, (EPS, *columns_of(tried))
+    """What another eps, and each effect, leaves to first order beside eps, where so much of it acts in each trial (T,);
+    predicted: by the fit of eps (`null`), with columns of all that is tried."""
+    columns = (EPS, *columns_of(tried))
     by = [np.concatenate([p.by((EPS,)), s * p.by(columns)], axis=2) for p, s in zip(predicted, shares, strict=True)]
     ends = [1, 2, *(2 + np.cumsum([len(c.effect.parameters) for c in tried])).tolist()]
     groups = tuple(tuple(range(a, b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
     gains = of_windows(motion, predicted, by).gains(range(1), groups)
-    count = found.best.priced.count
-    return [Priced(found.null.chi2 - gained, 1 + len(g), count) for (gained, _), g in zip(gains, groups, strict=True)]
+    count = null.priced.count
+    return [Priced(null.chi2 - gained, 1 + len(g), count) for (gained, _), g in zip(gains, groups, strict=True)]
