@@ -110,7 +110,7 @@ class Diagnosis:
         fitted = self.extension.model
         named = (e for stage in self.stages for e in stage.acting)
         every = {e.key: e for e in (*self.baseline.known, *named, *fitted.effects, *self.extension.effects)}
-        gone = {n.effect.key for n in self.named if n.gone}
+        gone = {e.key for stage in self.stages for e in stage.gone}
         return Model(fitted.body, fitted.medium, tuple(e for key, e in every.items() if key not in gone))
 
 

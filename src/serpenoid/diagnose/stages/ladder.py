@@ -93,14 +93,15 @@ def motion_steps(
 ) -> tuple[Step, ...]:
     """From shape to motion, and the whole: all stages' named effects of servos are in it."""
     actuators = tuple(e for stage in stages for e in stage.acting if e.effect.site == "actuation")
-    before, after = whole_errors(recordings, seen, motion, servos.known, actuators)
+    gone = tuple(e for stage in stages for e in stage.gone)
+    before, after = whole_errors(recordings, seen, motion, servos.known, actuators, gone)
     whole = Error("whole", "m", before, after, motion.selection.noise_level_m)
     return motion_step(motion), Step("commanded shape against realised motion", whole, ())
 
 
 def actuation_step(data: Plays, stage: Stage) -> Step:
     """Joint by joint [rad]."""
-    sizes = [data.channels(data.realised(effects)) * data.noise for effects in ([], stage.acting)]
+    sizes = [data.channels(data.realised(effects)) * data.noise for effects in (stage.gone, stage.acting)]
     doubt = np.broadcast_to(data.unsure, data.held_against.shape)
     parts = [
         Error(f"joint {j + 1}", "rad", float(a), float(b), float(data.held_against[j]), float(doubt[j]))

@@ -28,10 +28,11 @@ def whole_errors(
     motion: MotionFinding,
     known: Sequence[ActiveEffect],
     actuators: Sequence[ActiveEffect],
+    gone: Sequence[ActiveEffect] = (),
 ) -> tuple[float, float]:
     """Path RMS [m] of the commanded shapes' motion: baseline against raw data, everything named against mended data.
 
-    known, actuators: effects of the servos that were known, and that are named.
+    known, actuators: effects of the servos that were known, and that are named. gone: those that were there before.
     """
     found = motion.selection
     tracks = found.motion.tracks
@@ -39,7 +40,8 @@ def whole_errors(
     extended = _with(_with(found.best.model, known), actuators)
     jumps = any(n.effect.effect.marks == "jumps" for n in motion.stage.named)
     played = [r.schedule for r in recordings]
-    before = [path_rms(t, from_command(_with(found.null.model, known), t, s)) for t, s in zip(raw, played, strict=True)]
+    then = _with(_with(found.null.model, known), gone)
+    before = [path_rms(t, from_command(then, t, s)) for t, s in zip(raw, played, strict=True)]
     after = [path_rms(t, from_command(extended, t, s), jumps) for t, s in zip(tracks, played, strict=True)]
     return total(before), total(after)
 

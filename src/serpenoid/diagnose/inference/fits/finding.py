@@ -166,6 +166,11 @@ class Stage:
         return [n.effect for n in self.named if not n.gone]
 
     @property
+    def gone(self) -> list[ActiveEffect]:
+        """What is named and there no more."""
+        return [n.effect for n in self.named if n.gone]
+
+    @property
     def settled(self) -> bool:
         """Whether chance is all that is left."""
         return not self.words
