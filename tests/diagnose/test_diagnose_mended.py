@@ -6,6 +6,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,10 @@ from blind.folder import write
 from serpenoid.cli.main import main
 from serpenoid.diagnose.data.noise.motion import Motion
 from serpenoid.diagnose.inference.doubt.law_doubt import Doubted, _together, _Told
-from serpenoid.diagnose.inference.fits.finding import Named
+from serpenoid.diagnose.inference.fits.finding import Named, Stage
 from serpenoid.diagnose.report.summary import lines
 from serpenoid.diagnose.report.words import gone, parameter, what_to_do
+from serpenoid.diagnose.stages.motion.choose_motion import beside_earlier
 from serpenoid.effects.active import ActiveEffect
 
 ROOT = Path(__file__).parents[2]
@@ -97,3 +99,16 @@ def test_a_gone_effect_is_told_with_what_it_was() -> None:
     stuck = {"name": "stuck_joint", "place": 4, "stand_in": False, "gone": True, "parameters": {}}
     assert gone(stuck)
     assert not gone({"name": "stuck_joint", "place": 4, "stand_in": False, "parameters": {}})
+
+
+def test_a_change_of_what_stood_in_for_another_law_is_a_stand_in() -> None:
+    slope = ActiveEffect.of("slope", pull_x=0.01, pull_y=0.0)
+    ends = {"pull_x": (0.009, 0.011), "pull_y": (-0.001, 0.001)}
+    stage = Stage("motion", (Named(slope, ends, 3.0, before={"pull_x": 0.002, "pull_y": 0.0}),))
+    known: Any = SimpleNamespace(doubt_of=lambda _: np.zeros((2, 2)))
+    for guessed in (False, True):
+        known.guessed = lambda _, guessed=guessed: guessed
+        (n,) = beside_earlier(stage, known).named
+        assert n.stand_in is guessed
+    same = replace(stage.named[0], intervals={"pull_x": (0.001, 0.02), "pull_y": (-0.001, 0.001)})
+    assert beside_earlier(replace(stage, named=(same,)), known).named == ()  # and it may change nothing

@@ -171,12 +171,16 @@ class Reference(Baseline):
         taken = {e.key: e for e in self.model.effects}.get(effect.key)
         if taken is None:
             return super().doubt_of(effect)
-        before = {n.effect.key: n for n in self.named}.get(effect.key)
-        unsure = before is None or before.stand_in
+        before, unsure = {n.effect.key: n for n in self.named}.get(effect.key), self.guessed(effect)
         return np.array([
             _off(p, p.coordinate(taken.parameters[p.name]), before.intervals[p.name] if before else (), unsure)
             for p in effect.effect.parameters
         ])  # fmt: skip
+
+    def guessed(self, effect: ActiveEffect) -> bool:
+        """It was perhaps a stand-in, or too weak to be named."""
+        sure = {n.effect.key for n in self.named if not n.stand_in}
+        return effect.key in {e.key for e in self.model.effects} - sure
 
     def observation(self) -> Observation:
         """As it was before."""

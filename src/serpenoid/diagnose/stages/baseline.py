@@ -91,6 +91,10 @@ class Baseline:
         in an earlier campaign; 0 without one."""
         return np.zeros((len(effect.effect.parameters), 2))
 
+    def guessed(self, effect: ActiveEffect) -> bool:
+        """Whether an earlier campaign is explained with the same effect, which is no finding there."""
+        return False
+
     @property
     def inadequate(self) -> bool:
         """Whether its law is known to be another than the floor's: what it missed repeated."""

@@ -256,7 +256,9 @@ def finding(
 
 def beside_earlier(stage: Stage, baseline: Baseline) -> Stage:
     """The names of a stage, without stand-ins that may change nothing. What was known of the same effect before puts
-    its value in doubt, and not that it has changed."""
+    its value in doubt, and not that it has changed; but what stood in for another law then may do so now."""
+    named = tuple(replace(n, stand_in=n.stand_in or baseline.guessed(n.effect)) for n in stage.named)
+    stage = replace(stage, named=named)
     wide = {n.effect.key: beside_known(n, baseline.doubt_of(n.effect)) for n in stage.named}
     stage = stage.naming(stage.named)
     named, weak = (tuple(wide.get(n.effect.key, n) for n in some) for some in (stage.named, stage.undetected))
