@@ -42,9 +42,9 @@ def title(effect: Record) -> str:
 
 
 def gone(effect: Record) -> bool:
-    """Whether a named effect was there before, and intervals of all its numbers hold those that do nothing."""
-    if effect.get("gone"):
-        return True
+    """Whether a cause was there before, and intervals of all its numbers hold those that do nothing."""
+    if effect["stand_in"] or effect.get("gone"):
+        return not effect["stand_in"]
     rests = {p.name: p.neutral for p in find(effect["name"]).parameters if p.neutral is not None}
     numbers = [(rests[name], p) for name, p in effect["parameters"].items() if name in rests]
     known = [(rest, *p["interval"]) for rest, p in numbers if "before" in p]
