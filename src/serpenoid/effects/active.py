@@ -113,6 +113,11 @@ class ActiveEffect(Record):
         return self.name if self.place is None else f"{self.name} at {self.effect.place} {self.place}"
 
 
+def of_key(effects: Sequence[ActiveEffect], key: tuple[str, int | None]) -> ActiveEffect | None:
+    """The one of some effects that has this name and place."""
+    return next((e for e in effects if e.key == key), None)
+
+
 def joined(known: Sequence[ActiveEffect], new: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:
     """Known effects and new ones; a new one takes the place of a known one of its name and place."""
     given = {e.key for e in new}

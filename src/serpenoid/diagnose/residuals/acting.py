@@ -14,7 +14,7 @@ from serpenoid.diagnose.data.noise.motion import Motion
 from serpenoid.diagnose.data.windows.windows import Prediction, columns_of, predictions
 from serpenoid.diagnose.inference.fits.bounds import LEAST_EPS, MOST_EPS
 from serpenoid.diagnose.inference.fits.medium import Fit, of_windows, with_values
-from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.active import ActiveEffect, of_key
 from serpenoid.model import Model
 from serpenoid.simulation.sensitivity import EPS, Column
 
@@ -58,15 +58,14 @@ def _at(motion: Motion, found: Fit, cause: ActiveEffect | None, acts: np.ndarray
     columns: tuple[Column, ...] = (EPS,) if cause is None else columns_of([cause])
     model = found.model
     still = with_values(model, [], x[:1], model.effects)
-    there = cause is None or cause.key in {e.key for e in model.effects}
-    predicted: list[Prediction] = list(found.predictions)
-    for own, asked, some in (
-        (still, () if there else (cause,), np.flatnonzero(~acts)),
-        (_with(model, cause, x), (), np.flatnonzero(acts)),
+    absent = [] if cause is None or of_key(model.effects, cause.key) else [cause]
+    predicted = list(found.predictions)
+    for own, candidates, some in (
+        (still, absent, np.flatnonzero(~acts)),
+        (_with(model, cause, x), [], np.flatnonzero(acts)),
     ):
-        near = [found.predictions[i] for i in some]
-        candidates = [c for c in asked if c is not None]
-        for i, p in zip(some, predictions(own, [motion.tracks[i] for i in some], candidates, near), strict=True):
+        tracks, near = [motion.tracks[i] for i in some], [found.predictions[i] for i in some]
+        for i, p in zip(some, predictions(own, tracks, candidates, near), strict=True):
             predicted[i] = p
     by = [p.by(columns) for p in predicted]
     both = [np.concatenate([p.by((EPS,)), s * b], axis=2) for p, b, s in zip(predicted, by, acts, strict=True)]

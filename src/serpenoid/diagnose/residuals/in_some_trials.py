@@ -246,22 +246,19 @@ def _in_full(motion: Motion, found: Fit, played: Sequence[tuple[int, int]], best
     """The same with its cause fitted in full in the trials in which it acts; as it was if that leaves no less."""
     signs = np.array([float(best.acts[b]) - float(best.acts[a]) for a, b in played])
     fitted = acting(motion, found, best.cause.effect, best.acts)
-    left, squares, count, information, score = 0.0, [], [], [], []
+    remains, left, told = residuals(motion.tracks, fitted.predicted), 0.0, []
     for repeat, s in zip(repeats(motion.tracks), signs, strict=True):
-        one, other = repeat.both(residuals(motion.tracks, fitted.predicted))
+        one, other = repeat.both(remains)
         here, there = repeat.both(fitted.by)
         d, slopes = other - one, (here + there) / 2 if not s else there if s > 0 else here
         rows, flat = _white(motion, repeat, d, slopes)
         left += float(rows @ rows)
-        differ = rows + s * flat @ fitted.change  # without the cause, to first order
-        squares.append(float(differ @ differ))
-        count.append(float(len(rows)))
-        information.append(flat.T @ flat)
-        score.append(flat.T @ differ)
+        told.append((rows + s * flat @ fitted.change, flat))  # without the cause, to first order
     if not left < best.left:
         return best
-    cause = replace(best.cause, information=np.array(information), score=np.array(score))
-    agreed = cause.agreed(signs, Differ(np.array(squares), np.array(count)))
+    differ, information, score = _summed(told)
+    cause = replace(best.cause, information=information, score=score)
+    agreed = cause.agreed(signs, differ)
     return replace(best, left=left, cause=cause, chance=agreed.chance * best.moments, apart=agreed.apart)
 
 
@@ -271,6 +268,13 @@ def _white(motion: Motion, repeat: Repeat, d: Floats, slopes: Floats) -> tuple[F
     known = np.isfinite(d).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2))
     known &= motion.tracks[repeat.one].playing[repeat.here]
     return d[known].ravel(), slopes[known].reshape(-1, slopes.shape[2])
+
+
+def _summed(told: Sequence[tuple[Floats, Floats]]) -> tuple[Differ, Floats, Floats]:
+    """Squares of what pairs differ by (R,), information (P, C, C) and score (P, C) by their derivatives (R, C)."""
+    squares, count = (np.array([float(x) for x in of]) for of in zip(*((d @ d, len(d)) for d, _ in told), strict=True))
+    information, score = (np.array(of) for of in zip(*((by.T @ by, by.T @ d) for d, by in told), strict=True))
+    return Differ(squares, count), information, score
 
 
 def _causes(motion: Motion, found: Fit) -> tuple[Differ, list[Cause]]:
@@ -283,19 +287,14 @@ def _causes(motion: Motion, found: Fit) -> tuple[Differ, list[Cause]]:
     every = [c for of in columns for c in of]
     predicted = predictions(found.model, motion.tracks, candidates, found.predictions)
     left, by = residuals(motion.tracks, predicted), [p.by(every) for p in predicted]
-    squares, count, information, score = [], [], [], []
+    told = []
     for repeat in repeats(motion.tracks):
-        one, other = repeat.both(left)
-        here, there = repeat.both(by)
-        rows, flat = _white(motion, repeat, other - one, (here + there) / 2)
-        squares.append(float(rows @ rows))
-        count.append(float(len(rows)))
-        information.append(flat.T @ flat)
-        score.append(flat.T @ rows)
+        (one, other), (here, there) = repeat.both(left), repeat.both(by)
+        told.append(_white(motion, repeat, other - one, (here + there) / 2))
+    differ, whole, scores = _summed(told)
     ends = np.cumsum([0, *(len(of) for of in columns)]).tolist()
-    whole, scores = np.array(information), np.array(score)
     parts = [slice(a, b) for a, b in zip(ends, ends[1:], strict=False)]
-    return Differ(np.array(squares), np.array(count)), [
+    return differ, [
         Cause(name, sign, whole[:, p, p], scores[:, p], effect)
         for name, sign, p, effect in zip(named, signs, parts, [None, *(e for e, _ in tried)], strict=True)
     ]

@@ -38,9 +38,7 @@ LEAST_ODD = 0.02  # of a length: what is less does no harm, and of a body that r
 LONG_WAVES = 1 / 3  # of all waves along the body: the longest, by which bodies stretch
 LARGE = 0.25  # of an edge: such a noise is no longer small beside it
 NEAR = 2  # joints to either side of an edge
-OFTEN_AS_FAR = (
-    5.0  # times: an edge that usually turns by so much more than joints near it is the spline's, not the body's
-)
+OFTEN_AS_FAR = 5.0  # times: an edge that usually turns by so much more than joints near it is bent by the spline alone
 DRAWS = 2  # of noise, each in four mirrors: what is odd in it does not hide what is even
 
 

@@ -15,7 +15,7 @@ from serpenoid.diagnose.data.noise.memory import Memory
 from serpenoid.diagnose.data.noise.repeats import chance_from
 from serpenoid.diagnose.data.noise.white import White
 from serpenoid.diagnose.data.windows.windows import Track
-from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.active import ActiveEffect, of_key
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Motion:
 
     def unchanged(self, effect: ActiveEffect) -> list[float]:
         """Coordinates of an effect where nothing has changed (P,): those that it is held at, or neutral ones."""
-        known = next((e for e in self.held if e.key == effect.key), None)
+        known = of_key(self.held, effect.key)
         return [p.resting for p in effect.effect.parameters] if known is None else known.coordinates[:-1]
 
     @property

@@ -23,7 +23,7 @@ from serpenoid.diagnose.stages.actuation.law_by_trial import law_by_trial
 from serpenoid.diagnose.stages.actuation.plays import Plays
 from serpenoid.diagnose.stages.actuation.trials_astray import trials_astray
 from serpenoid.diagnose.stages.by_trial import ByTrial
-from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.active import ActiveEffect, of_key
 from serpenoid.effects.base import ActuationEffect
 from serpenoid.files.store import remembered
 from serpenoid.measure.logs import TICK
@@ -82,7 +82,7 @@ def _chosen(data: Plays) -> tuple[Stage, Played]:
         if grown is None:
             break
         new, best = grown
-        if _strength(data, new) < VISIBLE:
+        if data.strength(new) < VISIBLE:
             break
         if new.place is None and not best.followed:  # before what it leaves looks like faults of joints
             best = of_all_anew(best)
@@ -255,8 +255,9 @@ def _named(best: Played, effect: ActiveEffect) -> Named:
         intervals[p.name] = interval([p.value(float(v)) for v in (x - reach, x + reach)])
     bound = tuple(p.name for p in parameters if effect.parameters[p.name] in (p.lower, p.upper))
     stand_in = _law_error(best, effect) > 0 or _may_be_any(best, effect)
-    known: dict[str, float] = next((e.parameters for e in data.known if e.key == effect.key), {})
-    return Named(effect, intervals, _strength(data, effect), bound, stand_in, known)
+    known = of_key(data.known, effect.key)
+    before = {} if known is None else known.parameters
+    return Named(effect, intervals, data.strength(effect), bound, stand_in, before)
 
 
 def _habit_changed(best: Played, effect: ActiveEffect) -> float:
@@ -325,9 +326,3 @@ def off_by_rounding(noise: float) -> float:
     """
     order = np.arange(1, 100)
     return float(TICK / np.pi * np.sqrt((np.exp(-4 * (np.pi * order * noise / TICK) ** 2) / (2 * order**2)).sum()))
-
-
-def _strength(data: Plays, effect: ActiveEffect) -> float:
-    """RMS of what the effect alone changes at the worst joint, over the noise."""
-    alone = data.realised([effect]) - data.realised([])
-    return float((np.sqrt((alone**2).mean(axis=0)) / data.level).max())

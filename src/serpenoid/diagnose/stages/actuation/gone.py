@@ -10,8 +10,6 @@ from __future__ import annotations
 from dataclasses import replace
 from math import inf
 
-import numpy as np
-
 from serpenoid.diagnose.inference.fits.finding import Named, excludable, interval
 from serpenoid.diagnose.inference.fits.prices import most_gained
 from serpenoid.diagnose.stages.actuation.actuation_search import Played, numbers_of
@@ -29,9 +27,7 @@ def without_gone(data: Plays) -> tuple[Plays, tuple[Named, ...]]:
         rest = replace(data, known=tuple(other for other in data.known if other.key != e.key))
         now, without = Played(data).priced, Played(rest).priced
         if excludable(now.chi2, without.chi2, without.count, most_gained(numbers_of(e), len(data.known))):
-            changed = rest.realised([]) - data.realised([])
-            strength = float((np.sqrt((changed**2).mean(axis=0)) / data.level).max())
-            gone += (Named(e, {}, strength, before=e.parameters, gone=True),)
+            gone += (Named(e, {}, rest.strength(e), before=e.parameters, gone=True),)
             data = rest
     return data, gone
 

@@ -168,6 +168,11 @@ class Plays:
         """The same with each of several effects, side by side."""
         return [self._sampled(played, self._begun(played)) for played in self._played_each(several)]
 
+    def strength(self, effect: ActiveEffect) -> float:
+        """RMS of what an effect alone changes at the worst joint, over the noise."""
+        alone = self.realised([effect]) - self.realised([])
+        return float((np.sqrt((alone**2).mean(axis=0)) / self.level).max())
+
     def met(self, effects: Sequence[ActiveEffect]) -> tuple[Floats, list[float | None]]:
         """The same, and how late each trial begins so [s]: where readings are met best; None where that is known."""
         played = self._played(effects)

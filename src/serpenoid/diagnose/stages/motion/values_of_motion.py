@@ -18,7 +18,7 @@ from serpenoid.diagnose.inference.fits.finding import VISIBLE, Named, Stage, int
 from serpenoid.diagnose.inference.fits.medium import Fit, linearised
 from serpenoid.diagnose.inference.search.names import seen
 from serpenoid.diagnose.inference.search.select import Selection
-from serpenoid.effects.active import ActiveEffect
+from serpenoid.effects.active import ActiveEffect, of_key
 
 RELATIVE = 3e-3  # what smoothing the shapes leaves
 
@@ -50,8 +50,8 @@ def named_of(
             low, high = min(low, doubtful.ends[0]), max(high, doubtful.ends[1])
         ends[p.name] = interval([_clipped(p.value(end), p.lower, p.upper) for end in (low, high)])
     strength = seen(found.motion, found.best, base, effect, VISIBLE * found.noise_level_m) / found.noise_level_m
-    known = next((e.parameters for e in found.motion.held if e.key == effect.key), {})
-    return Named(fitted, ends, strength, tuple(bound), before=known)
+    known = of_key(found.motion.held, effect.key)
+    return Named(fitted, ends, strength, tuple(bound), before={} if known is None else known.parameters)
 
 
 def beside_known(named: Named, doubt: Floats) -> Named:

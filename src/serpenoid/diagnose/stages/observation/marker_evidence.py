@@ -303,8 +303,7 @@ def _rigid(points: Floats, seen: np.ndarray) -> Floats:
 def signature(data: Sample, now: Observation, before: Observation) -> Floats:
     """RMS of what an observation model changes over noise (m + N,), from another one: marker angles over readings, link
     lengths, and by its axes the paths of trials."""
-    changed = _shown(data, now) - _shown(data, before)
-    return np.append(np.sqrt((changed**2).mean(axis=0)), _along_paths(data, now, before))
+    return np.append(_changed(data, now, before), _along_paths(data, now, before))
 
 
 def _along_paths(data: Sample, now: Observation, before: Observation) -> float:
@@ -319,7 +318,12 @@ def _along_paths(data: Sample, now: Observation, before: Observation) -> float:
 
 def apart(data: Sample, one: Observation, other: Observation) -> float:
     """How far two observation models' data differ: the worst joint's or link's RMS, over the noise level."""
-    return float(np.sqrt(((_shown(data, one) - _shown(data, other)) ** 2).mean(axis=0)).max())
+    return float(_changed(data, one, other).max())
+
+
+def _changed(data: Sample, one: Observation, other: Observation) -> Floats:
+    """RMS (2 m + 1,) of what two observation models' joints and links differ by, over the noise level."""
+    return np.asarray(np.sqrt(((_shown(data, one) - _shown(data, other)) ** 2).mean(axis=0)))
 
 
 def _shown(data: Sample, effect: Observation) -> Floats:
