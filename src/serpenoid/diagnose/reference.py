@@ -212,7 +212,12 @@ class Reference(Baseline):
             ]
             found.append(
                 (
-                    replace(motion, tracks=tuple(tracks), held=rival.model.effects),
+                    replace(
+                        motion,
+                        tracks=tuple(tracks),
+                        held=rival.model.effects,
+                        ratio=rival.model.medium.anisotropy_ratio,
+                    ),
                     rival.model,
                     self.explained[0].chi2 / rival.chi2,
                 )

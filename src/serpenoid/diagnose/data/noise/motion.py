@@ -67,7 +67,8 @@ class Motion:
     """The tracks and their noise; labels: gait numbers, one per track; held: known effects, not up for fitting.
 
     unlike (3,): the largest difference between two repeats' windows that is no news [m, m, rad]. untestable: effects
-    that are no candidates. ratio: eps, where it is known. earlier: what repeats of an earlier campaign tell.
+    that are no candidates. ratio: eps of an earlier campaign; ratio_held: it is taken to be the same, and no fit moves
+    it. earlier: what repeats of an earlier campaign tell.
     """
 
     tracks: tuple[Track, ...]
@@ -78,6 +79,7 @@ class Motion:
     untestable: frozenset[str] = frozenset()
     ratio: float | None = None
     earlier: Repeated = Repeated()
+    ratio_held: bool = False
 
     @cached_property
     def white(self) -> tuple[White, ...]:

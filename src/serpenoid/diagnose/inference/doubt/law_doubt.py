@@ -181,9 +181,16 @@ def of_gaits(motion: Motion, fit: Fit, hold: bool = True) -> tuple[Floats, Float
     loose = linearised(motion, fit.model, fit.effects, near=fit.predictions, hold=False)[0] if not hold else None
     evidence = loose or fit.evidence
     matrix, vector = evidence.matrix[:, :own, :own], evidence.vector[:, :own]
-    done = np.stack([fit.coordinates[0] ** 2 * matrix[:, 0, 0], _done(motion, fit)], axis=1)
+    drag = _drag(motion, fit) if motion.ratio_held else matrix[:, 0, 0]
+    done = np.stack([fit.coordinates[0] ** 2 * drag, _done(motion, fit)], axis=1)
     moved, spread = with_errors_of_gaits(matrix / inflated, vector / inflated, done / inflated)
     return fit.coordinates + moved, spread
+
+
+def _drag(motion: Motion, fit: Fit) -> Floats:
+    """Chi squared (G,) of what a unit of eps does in the windows of each gait, where it is held."""
+    free = replace(motion, ratio_held=False)
+    return linearised(free, fit.model, fit.effects, near=fit.predictions, hold=False)[0].matrix[:, 0, 0]
 
 
 def with_errors_of_gaits(matrix: Floats, vector: Floats, done: Floats) -> tuple[Floats, Floats]:

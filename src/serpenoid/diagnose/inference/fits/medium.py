@@ -145,10 +145,14 @@ def of_windows(motion: Motion, found: Sequence[Prediction], by: Iterable[Floats]
 
 
 def of_trial(motion: Motion, number: int, predicted: Prediction, by: Floats) -> tuple[Floats, Floats]:
-    """White residuals (R,) of one track's windows beside a prediction, and columns (R, P); by: see `of_windows`."""
+    """White residuals (R,) of one track's windows beside a prediction, and columns (R, P), eps first; by: see
+    `of_windows`."""
     track, white = motion.tracks[number], motion.white[number]
     known = track.usable & np.isfinite(by).all(axis=(1, 2)) & np.isfinite(predicted.displacement).all(axis=1)
-    return white.of(track.displacement - predicted.displacement, known), white.of(by, known)
+    columns = white.of(by, known)
+    if motion.ratio_held:
+        columns[:, 0] = 0.0
+    return white.of(track.displacement - predicted.displacement, known), columns
 
 
 @remembered

@@ -35,6 +35,7 @@ from serpenoid.diagnose.inference.search.names import Key, Weak
 from serpenoid.diagnose.inference.search.select import Retrack, Selection, calibrated, retracked, select
 from serpenoid.diagnose.residuals.residual_words import astray
 from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.inference.search.ratio_held import as_taken, the_same_or_another
 from serpenoid.diagnose.stages.motion.law_of_medium import (
     SAME,
     law_of,
@@ -114,12 +115,16 @@ def choose_on_tracks(
 
     def beside(other: Baseline) -> Selection:
         motion, null = alone(other)
-        return select(motion, null.model, lambda about: other.corrected(track(about)), say)
+        found = select(motion, null.model, lambda about: other.corrected(track(about)), say)
+        if other.ratio is None:
+            return found
+        held = select(replace(motion, ratio_held=True), other.model, lambda about: other.corrected(track(about)), say)
+        return the_same_or_another(found, held)
 
     baseline = with_own_numbers(baseline, lambda known: alone(known)[0])
     baseline = slipping_sideways(baseline, alone)
     chosen, baseline = numbers_settled(*with_a_path(baseline, beside), beside)
-    chosen, baseline = beside_others(chosen, baseline, beside, alone)
+    chosen, baseline = beside_others(chosen, baseline, beside, lambda other: as_taken(chosen, *alone(other)))
     asked = baseline.ratio is None  # with a reference it is known
     say("which law the medium follows")
     middles = drag_amid_edges(chosen, amid) if asked and amid is not None else Amid()

@@ -46,7 +46,7 @@ def ratio_changed(found: MotionFinding, baseline: Baseline) -> RatioChange | Non
     None where it is not, or without a reference."""
     motion, settled = found.selection.motion, found.selection.settled
     then = baseline.ratio_before(motion.tracks)
-    if then is None:
+    if then is None or motion.ratio_held:
         return None
     far = float(ndtri(1 - ERROR / 2))
     fits = (*fits_of_ratio(found.selection, found.stage), found.selection.best)

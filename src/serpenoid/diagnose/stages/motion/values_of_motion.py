@@ -15,7 +15,7 @@ from serpenoid.diagnose.inference.doubt.differing import Differing
 from serpenoid.diagnose.inference.doubt.law_doubt import Coordinate, Doubted, of_gaits
 from serpenoid.diagnose.inference.fits.bounds import LEAST_EPS, MOST_EPS, ratio_at_bound
 from serpenoid.diagnose.inference.fits.finding import VISIBLE, Named, Stage, interval
-from serpenoid.diagnose.inference.fits.medium import Fit, linearised
+from serpenoid.diagnose.inference.fits.medium import Fit, fit_guided, linearised
 from serpenoid.diagnose.inference.search.names import seen
 from serpenoid.diagnose.inference.search.select import Selection
 from serpenoid.effects.active import ActiveEffect, of_key
@@ -80,9 +80,13 @@ def deviations(motion: Motion, fit: Fit, hold: bool = True) -> Floats:
 def ratio_interval(found: Selection, stage: Stage) -> tuple[float, float]:
     """95 % interval of eps with what is there; where something is left, over what gaits disagree about."""
     fits = fits_of_ratio(found, stage)
-    every = [ratio_ends(found.motion, f) for f in fits] + [stage.ratio] * (stage.ratio is not None)
+    motion = found.motion
+    if motion.ratio_held:
+        motion = replace(motion, ratio_held=False)
+        fits = [fit_guided(motion, f, 0) for f in fits]
+    every = [ratio_ends(motion, f) for f in fits] + [stage.ratio] * (stage.ratio is not None)
     wrong = not stage.settled and not stage.unlike
-    every += [ends_by_gaits(found.motion, f) for f in fits] if wrong or stage.discrepancy_m > 0 else []
+    every += [ends_by_gaits(motion, f) for f in fits] if wrong or stage.discrepancy_m > 0 else []
     low, high = zip(*every, strict=True)
     return min(low), max(high)
 
