@@ -12,6 +12,7 @@ exact, a = b = 0, and this is chi squared.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import minimize
@@ -58,15 +59,20 @@ def deviance(motion: Motion, found: Fit, exact: Sequence[ActiveEffect] = ()) -> 
 
 
 def done(motion: Motion, found: Fit, besides: Sequence[ActiveEffect] = ()) -> list[Floats]:
-    """What a fit's effects do in the windows (W, 3) of each track, besides some of them."""
-    bare = predicted_bare(motion, found, besides) if len(found.effects) > len(besides) else found.predictions
-    return [p.displacement - q.displacement for p, q in zip(found.predictions, bare, strict=True)]
+    """What a fit's effects do in the windows (W, 3) of each track, besides some of them, and beside a reference what
+    another eps does; 0 where the model has no path without them."""
+    medium = found.model.medium
+    was = medium.anisotropy_ratio if motion.ratio is None else motion.ratio
+    there = len(found.effects) > len(besides) or was != medium.anisotropy_ratio
+    without = replace(found, model=replace(found.model, medium=medium.with_ratio(was)))
+    bare = predicted_bare(motion, without, besides) if there else found.predictions
+    return [np.nan_to_num(p.displacement - q.displacement) for p, q in zip(found.predictions, bare, strict=True)]
 
 
 def size_done(motion: Motion, found: Fit) -> float:
     """RMS [m] of what a fit's effects do to a window's displacement, turns as in `shared.discrepancy`."""
     moved = np.concatenate([m[t.usable] for t, m in zip(motion.tracks, done(motion, found), strict=True)])
-    return way(motion.tracks[0].recording.body, np.nanmean(moved**2, axis=0))
+    return way(motion.tracks[0].recording.body, np.mean(moved**2, axis=0))
 
 
 def least_deviance(mean: Floats, effect: Floats) -> float:
