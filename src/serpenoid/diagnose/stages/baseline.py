@@ -66,6 +66,11 @@ class Baseline:
         """Between which eps of an earlier campaign counts as the same on these tracks; None without one."""
         return None
 
+    def ratio_known(self, tracks: Sequence[Track]) -> bool:
+        """Whether an earlier campaign tells eps as it was on these tracks."""
+        known = self.ratio_before(tracks)
+        return known is not None and known[0] == known[1]
+
     @property
     def ratio_doubt(self) -> tuple[float, float]:
         """How many times as small and as large eps of an earlier campaign may be as its model has it; 1 without one."""

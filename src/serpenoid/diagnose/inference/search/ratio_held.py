@@ -1,9 +1,15 @@
-"""Beside a reference: eps as it was, or another one, which is a cause like any other and has its price."""
+"""Beside a reference: the anisotropy ratio as it was, or another one, which is a cause like others and has its price.
+
+eps is common to all of a body. Where fits may change it for nothing, it takes over most of what one wheel or a slippery
+place does, and what is left says next to nothing of the cause. So changes are looked for with eps as it was. Another
+eps is asked about where it earns its price: alone, or beside what was found. Then all is searched with eps free, too,
+and the likelier of both answers is taken, errors of the law included (discrepancy.py): those of another eps are in
+proportion to what it does, as those of any cause.
+"""
 
 from __future__ import annotations
 
-import os
-import sys
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,29 +19,38 @@ from serpenoid.diagnose.inference.fits.medium import TO_THE_END, Fit, candidates
 from serpenoid.diagnose.inference.fits.prices import gained_by_chance
 from serpenoid.diagnose.inference.search.discrepancy import deviance, information_criterion
 from serpenoid.diagnose.inference.search.select import Selection
+from serpenoid.model import Model
 
 
-def as_taken(chosen: Selection, motion: Motion, null: Fit) -> tuple[Motion, Fit]:
-    """A motion beside another explanation, and a fit of nothing; eps held if it is so in what was chosen."""
-    if not chosen.motion.ratio_held:
-        return motion, null
-    held = replace(motion, ratio_held=True)
-    return held, fit_eps(held, replace(null.model, medium=null.model.medium.with_ratio(motion.ratio)))
+def held(motion: Motion, model: Model) -> tuple[Motion, Fit]:
+    """A motion whose fits leave eps as it is in a model, and a fit of nothing."""
+    motion = replace(motion, ratio_held=True)
+    return motion, fit_eps(motion, model)
 
 
-def the_same_or_another(free: Selection, held: Selection) -> Selection:
-    """What is found with eps as it was, unless what is found with another one is likelier for its price."""
-    motion = free.motion
-    base = replace(motion, ratio_held=True)
-    other = fit_guided(base, held.best, TO_THE_END)
-    if other.evidence.count.sum() < free.best.evidence.count.sum():
+def as_it_was_or_another(found: Selection, again: Callable[[], Selection]) -> Selection:
+    """What was found with eps as it was, or, if it is likelier for its price, what is found `again` with eps free."""
+    if not _worth_asking(found):
+        return found
+    free = again()
+    motion = replace(free.motion, ratio_held=True)
+    same = fit_guided(motion, found.best, TO_THE_END)
+    if same.evidence.count.sum() < free.best.evidence.count.sum():
         return free
-    count = float(other.evidence.count.sum())
-    price = gained_by_chance(len(candidates_of(free.best)) + len(free.best.effects))
-    a = information_criterion(motion, free.best) + price
-    b = information_criterion(base, other) - float(np.log(max(deviance(motion, other)[1], 2)))
-    if os.environ.get("SHOW"):
-        def show(fit):
-            return [(e.name, e.place, [round(float(c), 3) for c in e.coordinates[:-1]]) for e in fit.effects], round(fit.model.medium.anisotropy_ratio, 4), round(fit.chi2)
-        print("FREE", show(free.best), "ic", a, "before", motion.ratio, "HELD", show(held.best), show(other), "ic", b, "refused", [(r.effect.name, r.effect.place, round(r.share, 3)) for r in held.refused], "count", count, "null", round(free.null.chi2), round(held.null.chi2), file=sys.stderr)
-    return held if b <= a else free
+    return found if _criterion(motion, same) <= _criterion(free.motion, free.best) else free
+
+
+def _worth_asking(found: Selection) -> bool:
+    """Whether another eps, alone or beside what was found, is likelier for its price than eps as it was."""
+    free, least = replace(found.motion, ratio_held=False), _criterion(found.motion, found.best)
+    bare = fit_eps(free, found.null.model)
+    others = [bare, fit_guided(free, found.best, TO_THE_END)] if found.best.effects else [bare]
+    return any(_criterion(free, other) < least for other in others)
+
+
+def _criterion(motion: Motion, found: Fit) -> float:
+    """See `information_criterion`; another eps counts as one more effect of one parameter."""
+    criterion = information_criterion(motion, found)
+    if motion.ratio_held:
+        return criterion - float(np.log(max(deviance(motion, found)[1], 2)))
+    return criterion + gained_by_chance(len(candidates_of(found)) + len(found.effects))

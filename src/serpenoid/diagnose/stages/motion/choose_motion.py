@@ -32,10 +32,10 @@ from serpenoid.diagnose.inference.fits.medium import Fit, candidates_of, fit_eps
 from serpenoid.diagnose.inference.fits.places import placed
 from serpenoid.diagnose.inference.search.discrepancy import size_done
 from serpenoid.diagnose.inference.search.names import Key, Weak
+from serpenoid.diagnose.inference.search.ratio_held import as_it_was_or_another, held
 from serpenoid.diagnose.inference.search.select import Retrack, Selection, calibrated, retracked, select
 from serpenoid.diagnose.residuals.residual_words import astray
 from serpenoid.diagnose.stages.baseline import Baseline
-from serpenoid.diagnose.inference.search.ratio_held import as_taken, the_same_or_another
 from serpenoid.diagnose.stages.motion.law_of_medium import (
     SAME,
     law_of,
@@ -115,16 +115,23 @@ def choose_on_tracks(
 
     def beside(other: Baseline) -> Selection:
         motion, null = alone(other)
-        found = select(motion, null.model, lambda about: other.corrected(track(about)), say)
-        if other.ratio is None:
-            return found
-        held = select(replace(motion, ratio_held=True), other.model, lambda about: other.corrected(track(about)), say)
-        return the_same_or_another(found, held)
+
+        def free() -> Selection:
+            return select(motion, null.model, lambda about: other.corrected(track(about)), say)
+
+        if not other.ratio_known(motion.tracks):
+            return free()
+        base, same = held(motion, other.model)
+        return as_it_was_or_another(select(base, same.model, lambda about: other.corrected(track(about)), say), free)
+
+    def nothing(other: Baseline) -> tuple[Motion, Fit]:
+        motion, null = alone(other)
+        return held(motion, other.model) if chosen.motion.ratio_held else (motion, null)
 
     baseline = with_own_numbers(baseline, lambda known: alone(known)[0])
     baseline = slipping_sideways(baseline, alone)
     chosen, baseline = numbers_settled(*with_a_path(baseline, beside), beside)
-    chosen, baseline = beside_others(chosen, baseline, beside, lambda other: as_taken(chosen, *alone(other)))
+    chosen, baseline = beside_others(chosen, baseline, beside, nothing)
     asked = baseline.ratio is None  # with a reference it is known
     say("which law the medium follows")
     middles = drag_amid_edges(chosen, amid) if asked and amid is not None else Amid()
