@@ -4,21 +4,33 @@ A rival is fitted to the data together with eps and the kept effects. It belongs
 it: were it true, the choice would by chance be as much better as it is. S_ab, the path RMS between the predictions of
 the choice and of the rival over the noise level, is told. Candidates are scored linearly first; those that could come
 close are fitted in full.
+
+Where a law is known to be wrong beside a reference, what it gets wrong makes one of two explanations better in some
+gaits than in others. So they are held against each other by their likelihood, the law's error included
+(discrepancy.py), and gaits are the independent numbers: a rival is excluded if gaits agree that it is worse (Student's
+t of their differences; Vuong, Econometrica 57, 307, 1989, clustered by gaits).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
+from scipy.special import stdtrit
+
+from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import CONFIDENCE
 from serpenoid.diagnose.data.noise.paths import strength
 from serpenoid.diagnose.inference.fits.finding import Rival, excludable
-from serpenoid.diagnose.inference.fits.medium import TO_THE_END, Fit, candidates_of
+from serpenoid.diagnose.inference.fits.medium import TO_THE_END, Fit, candidates_of, fit_guided
 from serpenoid.diagnose.inference.fits.prices import most_gained
+from serpenoid.diagnose.inference.search.discrepancy import by_gait
+from serpenoid.diagnose.inference.search.names import Key
 from serpenoid.diagnose.inference.search.ranking import score, shortlist
 from serpenoid.diagnose.inference.search.scans import Ranked
 from serpenoid.diagnose.inference.search.select import Selection
-from serpenoid.diagnose.inference.search.tries import SCREENING, attempt, finished
+from serpenoid.diagnose.inference.search.tries import OUT_OF_REACH, SCREENING, attempt, elsewhere, finished
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
 
@@ -35,10 +47,36 @@ class Swap:
     fit: Fit
 
 
-def groups(found: Selection) -> tuple[Swap, ...]:
-    """Rivals of every chosen effect, best fit first."""
-    swaps = [s for e, base in zip(found.best.effects, found.bases, strict=True) for s in _of(found, e, base)]
+def groups(found: Selection, wrong: bool = False) -> tuple[Swap, ...]:
+    """Rivals of every chosen effect, best fit first; wrong: a law is known to be. Where nothing was played twice, it may
+    be."""
+    by_gaits = found.motion.ratio is not None and (wrong or found.motion.unrepeated)
+    pairs = list(zip(found.best.effects, found.bases, strict=True))
+    swaps = [s for e, base in pairs for s in _of(found, e, base)]
+    if by_gaits:
+        known = {(s.rival.effect.key, s.rival.instead_of.key) for s in swaps}
+        more = [s for e, base in pairs for s in _by_gaits(found, e, base)]
+        swaps += [s for s in more if (s.rival.effect.key, s.rival.instead_of.key) not in known]
     return tuple(sorted(swaps, key=lambda s: s.fit.chi2))
+
+
+def as_another_ratio(found: Selection) -> list[ActiveEffect]:
+    """Names instead of which another eps than the reference's would do as well, by what gaits tell."""
+    motion = found.motion
+    if not motion.ratio_held:
+        return []
+    free, best = replace(motion, ratio_held=False), by_gait(motion, found.best)
+    each = zip(found.best.effects, found.bases, strict=True)
+    return [e for e, base in each if not worse(by_gait(free, fit_guided(free, base, TO_THE_END)), best)]
+
+
+def worse(gaits: Floats, best: Floats) -> bool:
+    """Whether gaits agree that what leaves so much in each (G,) is a worse explanation than the best one."""
+    apart = gaits - best
+    if len(apart) < 2:
+        return False
+    scatter = float(np.std(apart, ddof=1)) / np.sqrt(len(apart))
+    return bool(apart.mean() > stdtrit(len(apart) - 1, CONFIDENCE) * scatter)
 
 
 def band(choice: Fit) -> float:
@@ -63,6 +101,25 @@ def _of(found: Selection, effect: ActiveEffect, base: Fit) -> list[Swap]:
             continue
         if key not in rivals or t.fit.chi2 < rivals[key].fit.chi2:
             rivals[key] = Swap(rival, t.fit)
+    return list(rivals.values())
+
+
+def _by_gaits(found: Selection, effect: ActiveEffect, base: Fit) -> list[Swap]:
+    """Rivals that gaits do not agree to exclude: the best to first order, and the same effect at other places."""
+    motion, best, taken = found.motion, found.best, {e.key for e in found.best.effects}
+    ranked = shortlist([r for r in score(motion, base) if r[0].key not in taken and r[1] > 0], AT_MOST)
+    tries = in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in ranked])
+    others = [r for r in elsewhere(motion, base, effect) if r[0].key not in taken]
+    tries += in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in others])
+    whole, left = base.evidence.count.sum(), by_gait(motion, best)
+    tries = [t for t in tries if t.fit.chi2 < OUT_OF_REACH * best.chi2 and t.fit.evidence.count.sum() >= whole]
+    rivals: dict[Key, Swap] = {}
+    for t in in_processes([(finished, (motion, t, TO_THE_END)) for t in tries]):
+        if worse(by_gait(motion, t.fit), left):
+            continue
+        apart = strength(motion, best.predictions, t.fit.predictions) / found.noise_level_m
+        if t.added.key not in rivals or t.fit.chi2 < rivals[t.added.key].fit.chi2:
+            rivals[t.added.key] = Swap(Rival(t.fitted, effect, apart), t.fit)
     return list(rivals.values())
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -51,11 +52,26 @@ def deviance(motion: Motion, found: Fit, exact: Sequence[ActiveEffect] = ()) -> 
 
     exact: effects that have no error in proportion.
     """
-    left = residuals(motion.tracks, found.predictions)
-    moved = done(motion, found, exact)
-    parts = [_means(motion, left, moved, trials) for trials in by_setting(motion.tracks).values()]
-    mean, effect = (np.concatenate(x) for x in zip(*parts, strict=True))
+    mean, effect, _ = _all_means(motion, found, exact)
     return least_deviance(mean, effect), len(mean)
+
+
+def by_gait(motion: Motion, found: Fit) -> Floats:
+    """The criterion of `information_criterion`, gait by gait (G,): the price is shared by all."""
+    mean, effect, labels = _all_means(motion, found)
+    surprises = _surprises(_likeliest(mean, effect), mean, effect)
+    every = np.array([float(surprises[labels == label].sum()) for label in sorted(set(motion.labels))])
+    return every + (information_criterion(motion, found) - every.sum()) / len(every)
+
+
+def _all_means(motion: Motion, found: Fit, exact: Sequence[ActiveEffect] = ()) -> tuple[Floats, Floats, np.ndarray]:
+    """Mean residuals of repeats, what effects do there, and which gait's they are (K,) each."""
+    left, moved = residuals(motion.tracks, found.predictions), done(motion, found, exact)
+    settings = by_setting(motion.tracks).values()
+    parts = [_means(motion, left, moved, trials) for trials in settings]
+    labels = [np.full(len(part[0]), motion.labels[trials[0]]) for part, trials in zip(parts, settings, strict=True)]
+    mean, effect = (np.concatenate(x) for x in zip(*parts, strict=True))
+    return mean, effect, np.concatenate(labels)
 
 
 def done(motion: Motion, found: Fit, besides: Sequence[ActiveEffect] = ()) -> list[Floats]:
@@ -77,13 +93,27 @@ def size_done(motion: Motion, found: Fit) -> float:
 
 def least_deviance(mean: Floats, effect: Floats) -> float:
     """The same of means (K,) and what effects do there (K,), in units of chance and doubt."""
+    return float(_surprises(_likeliest(mean, effect), mean, effect).sum())
 
-    def surprise(log: Floats) -> float:
-        v = 1 + np.exp(log[0]) + np.exp(log[1]) * effect**2
-        return float((mean**2 / v + np.log(v)).sum())
 
+def _likeliest(mean: Floats, effect: Floats) -> Floats:
+    """ln a^2 and ln b^2 that make means (K,) likeliest."""
     bounds = [(SMALLEST, LARGEST)] * 2
-    return min(float(minimize(surprise, x, method="Nelder-Mead", bounds=bounds).fun) for x in STARTS)
+
+    def sum_of(log: Floats) -> float:
+        return float(_surprises(log, mean, effect).sum())
+
+    return np.asarray(min((minimize(sum_of, x, method="Nelder-Mead", bounds=bounds) for x in STARTS), key=_left).x)
+
+
+def _left(found: Any) -> float:
+    return float(found.fun)
+
+
+def _surprises(log: Floats, mean: Floats, effect: Floats) -> Floats:
+    """-2 ln likelihood of each mean (K,), but for a constant."""
+    v = 1 + np.exp(log[0]) + np.exp(log[1]) * effect**2
+    return np.asarray(mean**2 / v + np.log(v))
 
 
 def _means(motion: Motion, left: list[Floats], moved: list[Floats], trials: list[int]) -> tuple[Floats, Floats]:

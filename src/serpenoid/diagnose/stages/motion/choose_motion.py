@@ -19,7 +19,7 @@ from serpenoid.diagnose.data.windows.tracks import NoPath, make_tracks, tracker
 from serpenoid.diagnose.data.windows.windows import Track
 from serpenoid.diagnose.inference.doubt.at_one_vertex import AtOneVertex, at_one_vertex, words_of
 from serpenoid.diagnose.inference.doubt.differing import Differing, differing
-from serpenoid.diagnose.inference.doubt.groups import Swap, groups
+from serpenoid.diagnose.inference.doubt.groups import Swap, as_another_ratio, groups
 from serpenoid.diagnose.inference.doubt.growing import grows_instead
 from serpenoid.diagnose.inference.doubt.law_doubt import doubted
 from serpenoid.diagnose.inference.doubt.left_open import believed
@@ -219,7 +219,7 @@ def finding(
     named = [named_of(found, base, e, doubt) for e, base in zip(best.effects, found.bases, strict=True)]
     doubtful = frozenset[Key]() if parts is None else parts.as_well
     named = [n if n.effect.key in doubtful else in_its_range(motion, found.settled, n, wrong) for n in named]
-    swaps = groups(found)
+    swaps = groups(found, bool(wrong))
     jumps = find_jumps(motion, found.settled.predictions, noise_level, missed_m, len(candidates_of(best)))
     undetected = [undetected_of(f, noise_level) for f in found.undetected]
     if jumps is not None:
@@ -248,6 +248,9 @@ def finding(
         named = [n if n is jumps else m for n, m in zip(named, with_stand_ins(found, named, inadequate), strict=True)]
     if wrong:
         named = mending(found, named, before, after)
+    if wrong or motion.unrepeated:
+        by_ratio = {e.key for e in as_another_ratio(found)}
+        named = [replace(n, stand_in=n.stand_in or n.effect.key in by_ratio) for n in named]
     if motion.ratio is None and chance_from(motion.tracks) == "residuals":
         named = beside_what_is_left(motion, named)
     if motion.ratio is None:
