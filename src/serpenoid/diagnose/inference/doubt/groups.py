@@ -16,16 +16,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-from scipy.special import stdtrit
-
-from serpenoid.body import Floats
-from serpenoid.diagnose.data.chance import CONFIDENCE
 from serpenoid.diagnose.data.noise.paths import strength
 from serpenoid.diagnose.inference.fits.finding import Rival, excludable
 from serpenoid.diagnose.inference.fits.medium import TO_THE_END, Fit, candidates_of, fit_guided
 from serpenoid.diagnose.inference.fits.prices import most_gained
-from serpenoid.diagnose.inference.search.discrepancy import by_gait
+from serpenoid.diagnose.inference.search.discrepancy import by_gait, worse
 from serpenoid.diagnose.inference.search.names import Key
 from serpenoid.diagnose.inference.search.ranking import score, shortlist
 from serpenoid.diagnose.inference.search.scans import Ranked
@@ -48,8 +43,8 @@ class Swap:
 
 
 def groups(found: Selection, wrong: bool = False) -> tuple[Swap, ...]:
-    """Rivals of every chosen effect, best fit first; wrong: a law is known to be. Where nothing was played twice, it may
-    be."""
+    """Rivals of every chosen effect, best fit first; wrong: a law is known to be. Where nothing was played twice, it
+    may be."""
     by_gaits = found.motion.ratio is not None and (wrong or found.motion.unrepeated)
     pairs = list(zip(found.best.effects, found.bases, strict=True))
     swaps = [s for e, base in pairs for s in _of(found, e, base)]
@@ -68,15 +63,6 @@ def as_another_ratio(found: Selection) -> list[ActiveEffect]:
     free, best = replace(motion, ratio_held=False), by_gait(motion, found.best)
     each = zip(found.best.effects, found.bases, strict=True)
     return [e for e, base in each if not worse(by_gait(free, fit_guided(free, base, TO_THE_END)), best)]
-
-
-def worse(gaits: Floats, best: Floats) -> bool:
-    """Whether gaits agree that what leaves so much in each (G,) is a worse explanation than the best one."""
-    apart = gaits - best
-    if len(apart) < 2:
-        return False
-    scatter = float(np.std(apart, ddof=1)) / np.sqrt(len(apart))
-    return bool(apart.mean() > stdtrit(len(apart) - 1, CONFIDENCE) * scatter)
 
 
 def band(choice: Fit) -> float:

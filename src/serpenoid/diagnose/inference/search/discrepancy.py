@@ -17,8 +17,10 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
+from scipy.special import stdtrit
 
 from serpenoid.body import Floats
+from serpenoid.diagnose.data.chance import CONFIDENCE
 from serpenoid.diagnose.data.noise.motion import Motion
 from serpenoid.diagnose.data.noise.noise import residuals
 from serpenoid.diagnose.data.noise.repeats import by_setting
@@ -62,6 +64,15 @@ def by_gait(motion: Motion, found: Fit) -> Floats:
     surprises = _surprises(_likeliest(mean, effect), mean, effect)
     every = np.array([float(surprises[labels == label].sum()) for label in sorted(set(motion.labels))])
     return every + (information_criterion(motion, found) - every.sum()) / len(every)
+
+
+def worse(gaits: Floats, best: Floats) -> bool:
+    """Whether gaits agree that what leaves so much in each (G,) is a worse explanation than the best one."""
+    apart = gaits - best
+    if len(apart) < 2:
+        return False
+    scatter = float(np.std(apart, ddof=1)) / np.sqrt(len(apart))
+    return bool(apart.mean() > stdtrit(len(apart) - 1, CONFIDENCE) * scatter)
 
 
 def _all_means(motion: Motion, found: Fit, exact: Sequence[ActiveEffect] = ()) -> tuple[Floats, Floats, np.ndarray]:

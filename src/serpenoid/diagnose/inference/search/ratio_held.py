@@ -15,9 +15,10 @@ from dataclasses import replace
 import numpy as np
 
 from serpenoid.diagnose.data.noise.motion import Motion
+from serpenoid.diagnose.data.noise.shared import discrepancy
 from serpenoid.diagnose.inference.fits.medium import TO_THE_END, Fit, candidates_of, fit_eps, fit_guided
 from serpenoid.diagnose.inference.fits.prices import gained_by_chance
-from serpenoid.diagnose.inference.search.discrepancy import deviance, information_criterion
+from serpenoid.diagnose.inference.search.discrepancy import by_gait, deviance, information_criterion, worse
 from serpenoid.diagnose.inference.search.select import Selection
 from serpenoid.model import Model
 
@@ -28,8 +29,11 @@ def held(motion: Motion, model: Model) -> tuple[Motion, Fit]:
     return motion, fit_eps(motion, model)
 
 
-def as_it_was_or_another(found: Selection, again: Callable[[], Selection]) -> Selection:
-    """What was found with eps as it was, or, if it is likelier for its price, what is found `again` with eps free."""
+def as_it_was_or_another(found: Selection, again: Callable[[], Selection], wrong: bool) -> Selection:
+    """What was found with eps as it was, or, if it is likelier for its price, what is found `again` with eps free.
+
+    wrong: the law is known to be. Then another eps beside the same causes may mend it: gaits must agree about that.
+    """
     if not _worth_asking(found):
         return found
     free = again()
@@ -37,7 +41,13 @@ def as_it_was_or_another(found: Selection, again: Callable[[], Selection]) -> Se
     same = fit_guided(motion, found.best, TO_THE_END)
     if same.evidence.count.sum() < free.best.evidence.count.sum():
         return free
-    return found if _criterion(motion, same) <= _criterion(free.motion, free.best) else free
+    if _criterion(motion, same) <= _criterion(free.motion, free.best):
+        return found
+    beside = {e.key for e in same.effects} <= {e.key for e in free.best.effects} and bool(same.effects)
+    law_open = wrong or free.motion.unrepeated or discrepancy(free.motion, free.best.predictions) > 0
+    if beside and law_open and not worse(by_gait(motion, same), by_gait(free.motion, free.best)):
+        return found
+    return free
 
 
 def _worth_asking(found: Selection) -> bool:

@@ -122,7 +122,8 @@ def choose_on_tracks(
         if not other.ratio_known(motion.tracks):
             return free()
         base, same = held(motion, other.model)
-        return as_it_was_or_another(select(base, same.model, lambda about: other.corrected(track(about)), say), free)
+        found = select(base, same.model, lambda about: other.corrected(track(about)), say)
+        return as_it_was_or_another(found, free, other.inadequate)
 
     def nothing(other: Baseline) -> tuple[Motion, Fit]:
         motion, null = alone(other)
