@@ -156,9 +156,13 @@ class Stage:
     hiding: str = ""
 
     def naming(self, every: Sequence[Named]) -> Stage:
-        """With these names; stand-ins that may change nothing are none, and too weak."""
+        """With these names; stand-ins that may change nothing are none, and too weak, and have no rivals."""
         named = tuple(n for n in every if not (n.stand_in and n.may_change_nothing))
-        return replace(self, named=named, undetected=(*self.undetected, *(n for n in every if n not in named)))
+        weak = (*self.undetected, *(n for n in every if n not in named))
+        keys = {n.effect.key for n in named}
+        return replace(
+            self, named=named, undetected=weak, rivals=tuple(r for r in self.rivals if r.instead_of.key in keys)
+        )
 
     @property
     def acting(self) -> list[ActiveEffect]:

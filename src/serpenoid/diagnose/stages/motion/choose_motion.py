@@ -149,7 +149,8 @@ def choose_on_tracks(
     drag_at = "" if law.words else middles.words
     stage = beside_earlier(found.stage, baseline)
     stage = replace(stage, untestable=barred, laws=law.rivals, law_taken=law.words, drag_at=drag_at)
-    return replace(found, stage=stage, baseline=baseline)
+    swaps = tuple(s for s in found.swaps if s.rival in stage.rivals)
+    return replace(found, stage=stage, swaps=swaps, baseline=baseline)
 
 
 def with_a_path(baseline: Baseline, beside: Callable[[Baseline], Found]) -> tuple[Found, Baseline]:
