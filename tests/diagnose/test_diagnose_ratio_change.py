@@ -64,7 +64,9 @@ def test_gaits_that_disagree_tell_no_change_where_each_was_played_once(
     """Cycles share what differs from trial to trial: each gait has that once."""
     model = SimpleNamespace(medium=SimpleNamespace(anisotropy_ratio=0.2))
     fit = SimpleNamespace(model=model, effects=(), predictions=())
-    selection = SimpleNamespace(motion=SimpleNamespace(tracks=()), settled=fit, best=fit, noise_level_m=1e-3)
+    selection = SimpleNamespace(
+        motion=SimpleNamespace(tracks=(), ratio_held=False), settled=fit, best=fit, noise_level_m=1e-3
+    )
     found, baseline = SimpleNamespace(selection=selection, stage=None), SimpleNamespace(model=model)
     baseline.ratio_before = lambda tracks: (0.18, 0.18)
     for name, value in (

@@ -59,24 +59,28 @@ def deviance(motion: Motion, found: Fit, exact: Sequence[ActiveEffect] = ()) -> 
 
 
 def by_gait(motion: Motion, found: Fit) -> Floats:
-    """The criterion of `information_criterion`, gait by gait (G,): the price is shared by all."""
+    """The criterion of `information_criterion`, gait by gait and direction by direction (G, 3): the price is shared."""
     mean, effect, labels = _all_means(motion, found)
-    surprises = _surprises(_likeliest(mean, effect), mean, effect)
-    every = np.array([float(surprises[labels == label].sum()) for label in sorted(set(motion.labels))])
-    return every + (information_criterion(motion, found) - every.sum()) / len(every)
+    surprises, gaits = _surprises(_likeliest(mean, effect), mean, effect), sorted(set(motion.labels))
+    every = np.array([surprises[labels == gait].reshape(-1, 3).sum(axis=0) for gait in gaits])
+    return every + (information_criterion(motion, found) - every.sum()) / every.size
 
 
 def worse(gaits: Floats, best: Floats) -> bool:
-    """Whether gaits agree that what leaves so much in each (G,) is a worse explanation than the best one."""
-    apart = gaits - best
-    if len(apart) < 2:
+    """Whether gaits and directions agree that what leaves so much in each (G, 3) is worse than the best explanation.
+
+    In one gait what a law gets wrong along the body, across and in turning is nearly independent, and in its phases it
+    is not (`benchmarks/independent_errors.py`).
+    """
+    apart = (gaits - best).ravel()
+    if len(gaits) < 2:
         return False
     scatter = float(np.std(apart, ddof=1)) / np.sqrt(len(apart))
     return bool(apart.mean() > stdtrit(len(apart) - 1, CONFIDENCE) * scatter)
 
 
 def _all_means(motion: Motion, found: Fit, exact: Sequence[ActiveEffect] = ()) -> tuple[Floats, Floats, np.ndarray]:
-    """Mean residuals of repeats, what effects do there, and which gait's they are (K,) each."""
+    """Mean residuals of repeats, direction by direction, what effects do there, and which gait's they are (K,) each."""
     left, moved = residuals(motion.tracks, found.predictions), done(motion, found, exact)
     settings = by_setting(motion.tracks).values()
     parts = [_means(motion, left, moved, trials) for trials in settings]

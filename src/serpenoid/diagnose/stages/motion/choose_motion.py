@@ -26,7 +26,7 @@ from serpenoid.diagnose.inference.doubt.left_open import believed
 from serpenoid.diagnose.inference.doubt.middles import Amid, drag_amid_edges
 from serpenoid.diagnose.inference.doubt.profile import in_its_range
 from serpenoid.diagnose.inference.doubt.same_ratio import as_much_as_another_ratio
-from serpenoid.diagnose.inference.fits.finding import VISIBLE, Named, Stage
+from serpenoid.diagnose.inference.fits.finding import VISIBLE, Named, Rival, Stage
 from serpenoid.diagnose.inference.fits.jumps import find_jumps
 from serpenoid.diagnose.inference.fits.medium import Fit, candidates_of, fit_eps, fit_guided
 from serpenoid.diagnose.inference.fits.places import placed
@@ -44,7 +44,7 @@ from serpenoid.diagnose.stages.motion.law_of_medium import (
     with_own_numbers,
 )
 from serpenoid.diagnose.stages.motion.left_over import left_over, predicted_by, refusals, strayed
-from serpenoid.diagnose.stages.motion.other_explanations import beside_others, beside_rivals
+from serpenoid.diagnose.stages.motion.other_explanations import beside_others, beside_rivals, instead
 from serpenoid.diagnose.stages.motion.stand_ins import (
     amid_points,
     another_law,
@@ -132,7 +132,7 @@ def choose_on_tracks(
     baseline = with_own_numbers(baseline, lambda known: alone(known)[0])
     baseline = slipping_sideways(baseline, alone)
     chosen, baseline = numbers_settled(*with_a_path(baseline, beside), beside)
-    chosen, baseline = beside_others(chosen, baseline, beside, nothing)
+    chosen, baseline, first = beside_others(chosen, baseline, beside, nothing)
     asked = baseline.ratio is None  # with a reference it is known
     say("which law the medium follows")
     middles = drag_amid_edges(chosen, amid) if asked and amid is not None else Amid()
@@ -147,7 +147,7 @@ def choose_on_tracks(
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline), parts)
     barred = not_looked_for(baseline, untestable)
     drag_at = "" if law.words else middles.words
-    stage = beside_earlier(found.stage, baseline)
+    stage = beside_earlier(or_instead(found.stage, instead(chosen, first)), baseline)
     stage = replace(stage, untestable=barred, laws=law.rivals, law_taken=law.words, drag_at=drag_at)
     swaps = tuple(s for s in found.swaps if s.rival in stage.rivals)
     return replace(found, stage=stage, swaps=swaps, baseline=baseline)
@@ -269,6 +269,13 @@ def finding(
     stage = Stage("motion", tuple(named), rivals, weak, after / noise_level, words, discrepancy_m=missed_m)
     stage = another_law(found, replace(stage, unlike=unlike, ratio=ends, divided=divided, hiding=hiding))
     return MotionFinding(stage, found, swaps, before, after)
+
+
+def or_instead(stage: Stage, others: tuple[Rival, ...]) -> Stage:
+    """With what another explanation of the reference would have in the place of a name, which is open then."""
+    open_keys = {r.instead_of.key for r in others}
+    named = tuple(replace(n, stand_in=n.stand_in or n.effect.key in open_keys) for n in stage.named)
+    return replace(stage, named=named, rivals=(*stage.rivals, *others))
 
 
 def beside_earlier(stage: Stage, baseline: Baseline) -> Stage:

@@ -1,0 +1,109 @@
+"""Beside a reference: eps as it was, or another one, which has its price; rivals that gaits do not agree to exclude."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from serpenoid.diagnose.inference.doubt.groups import as_another_ratio, groups
+from serpenoid.diagnose.inference.doubt.law_doubt import of_gaits
+from serpenoid.diagnose.inference.fits.medium import TO_THE_END, fit, fit_eps
+from serpenoid.diagnose.inference.search import ratio_held
+from serpenoid.diagnose.inference.search.discrepancy import by_gait, information_criterion, worse
+from serpenoid.diagnose.inference.search.ratio_held import as_it_was_or_another, held
+
+Diagnosed = tuple[Any, dict[str, Any], Any]
+
+
+def beside(found: Any, ratio: float) -> Any:
+    """A selection as if a reference had said what eps was."""
+    return replace(found, motion=replace(found.motion, ratio=ratio))
+
+
+def test_fits_leave_a_ratio_that_is_held_where_it_was(diagnosed: Diagnosed) -> None:
+    found = diagnosed[0].motion.selection
+    eps = 1.3 * found.best.model.medium.anisotropy_ratio
+    model = replace(found.null.model, medium=found.null.model.medium.with_ratio(eps))
+    motion, null = held(replace(found.motion, ratio=eps), model)
+    assert null.model.medium.anisotropy_ratio == eps
+    again = fit(motion, model, list(found.best.effects), np.array([eps, *found.best.coordinates[1:]]), TO_THE_END)
+    free = fit_eps(replace(motion, ratio_held=False), model)
+    assert again.coordinates[0] == eps
+    assert again.chi2 < null.chi2
+    assert again.coordinates[1] != found.best.coordinates[1]  # the wheel makes up for a part of it
+    assert free.model.medium.anisotropy_ratio != eps
+    moved, spread = of_gaits(motion, again)
+    assert moved[0] == eps
+    assert spread[0] == 0.0
+    assert np.isfinite(spread).all()
+    assert spread[1] > 0
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """What is taken of an answer with eps held and one with eps free, by what each leaves in each gait."""
+
+    def taken(
+        same: list[float], another: list[float], *, names: tuple[str, str] = ("wheel", "wheel"), wrong: bool = True
+    ) -> str:
+        def selection(name: str, gaits: list[float], is_held: bool) -> Any:
+            effects = (SimpleNamespace(key=(name, 1)),) if name else ()
+            evidence, every = SimpleNamespace(count=np.array([9.0])), np.outer(gaits, np.ones(3))
+            fitted = SimpleNamespace(effects=effects, evidence=evidence, gaits=every, predictions=None)
+            motion = SimpleNamespace(ratio_held=is_held, unrepeated=False)
+            return SimpleNamespace(best=fitted, motion=motion)
+
+        monkeypatch.setattr(ratio_held, "_worth_asking", lambda found: True)
+        monkeypatch.setattr(ratio_held, "replace", lambda motion, **_: motion)
+        monkeypatch.setattr(ratio_held, "fit_guided", lambda motion, best, steps: best)
+        monkeypatch.setattr(ratio_held, "_criterion", lambda motion, best: float(best.gaits.sum()))
+        monkeypatch.setattr(ratio_held, "by_gait", lambda motion, best: best.gaits)
+        monkeypatch.setattr(ratio_held, "discrepancy", lambda motion, predictions: 0.0)
+        as_was, free = selection(names[0], same, True), selection(names[1], another, False)
+        return "same" if as_it_was_or_another(as_was, lambda: free, wrong) is as_was else "another"
+
+    return taken
+
+
+def test_another_ratio_has_to_be_likelier(asked: Any) -> None:
+    assert asked([10.0, 12.0, 11.0], [10.0, 12.0, 12.0]) == "same"
+    assert asked([10.0, 12.0, 11.0], [1.0, 2.0, 1.0]) == "another"
+
+
+def test_where_the_law_is_wrong_gaits_must_agree_that_another_ratio_is_needed_too(
+    asked: Any,
+) -> None:
+    some, others = [10.0, 60.0, 9.0], [31.0, 10.0, 32.0]
+    assert asked(some, others) == "same"
+    assert asked(some, others, wrong=False) == "another"
+    assert asked(some, others, names=("wheel", "patch")) == "another"
+    assert asked(some, others, names=("", "patch")) == "another"
+
+
+def test_a_rival_is_excluded_if_gaits_and_directions_agree_that_it_is_worse() -> None:
+    best = np.zeros((2, 3))
+    assert worse(np.array([[5.0, 6.0, 5.5], [4.5, 5.0, 7.0]]), best)
+    assert not worse(np.array([[40.0, -6.0, 3.0], [-1.0, 2.0, -3.0]]), best)
+    assert not worse(np.array([[50.0, 51.0, 52.0]]), best[:1])  # one gait tells nothing of what others would say
+
+
+def test_gaits_and_directions_share_the_criterion(diagnosed: Diagnosed) -> None:
+    found = diagnosed[0].motion.selection
+    gaits = by_gait(found.motion, found.best)
+    assert gaits.shape == (len(set(found.motion.labels)), 3)
+    assert gaits.sum() == pytest.approx(information_criterion(found.motion, found.best), rel=1e-6)
+
+
+def test_where_the_law_may_be_wrong_gaits_say_what_could_stand_in_a_names_place(diagnosed: Diagnosed) -> None:
+    """The law is right here, and gaits agree: nothing is as likely as the hidden load, nor is another eps."""
+    own = diagnosed[0].motion.selection
+    found = beside(own, own.best.model.medium.anisotropy_ratio)
+    assert groups(found, wrong=True) == groups(own)
+    assert as_another_ratio(found) == []  # eps was free
+    assert as_another_ratio(replace(found, motion=replace(found.motion, ratio_held=True))) == []
+    unlike = replace(found, best=found.null, bases=())
+    assert groups(unlike, wrong=True) == ()
