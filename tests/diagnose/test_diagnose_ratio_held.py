@@ -11,10 +11,14 @@ import pytest
 
 from serpenoid.diagnose.inference.doubt.groups import as_another_ratio, groups
 from serpenoid.diagnose.inference.doubt.law_doubt import of_gaits
+from serpenoid.diagnose.inference.fits.finding import Rival
 from serpenoid.diagnose.inference.fits.medium import TO_THE_END, fit, fit_eps
 from serpenoid.diagnose.inference.search import ratio_held
 from serpenoid.diagnose.inference.search.discrepancy import by_gait, information_criterion, worse
 from serpenoid.diagnose.inference.search.ratio_held import as_it_was_or_another, held
+from serpenoid.diagnose.stages.motion.choose_motion import or_instead
+from serpenoid.diagnose.stages.motion.other_explanations import instead
+from serpenoid.effects.active import ActiveEffect
 
 Diagnosed = tuple[Any, dict[str, Any], Any]
 
@@ -107,3 +111,36 @@ def test_where_the_law_may_be_wrong_gaits_say_what_could_stand_in_a_names_place(
     assert as_another_ratio(replace(found, motion=replace(found.motion, ratio_held=True))) == []
     unlike = replace(found, best=found.null, bases=())
     assert groups(unlike, wrong=True) == ()
+
+
+def test_what_another_explanation_of_the_reference_names_is_a_rival_where_gaits_leave_it_open(
+    diagnosed: Diagnosed,
+) -> None:
+    found = diagnosed[0].motion.selection
+    (named,) = found.best.effects
+    other = replace(found.best.model, effects=(ActiveEffect.typical(named.name, named.place + 1),))
+    first = replace(found, best=replace(found.best, model=other))
+    assert instead(found, None) == ()
+    assert instead(found, found) == ()
+    (rival,) = instead(found, first)
+    assert rival.effect.key == (named.name, named.place + 1)
+    assert rival.instead_of.key == named.key
+    assert rival.separation < 1e-9  # the same predictions
+    stage = or_instead(diagnosed[0].motion.stage, (rival,))
+    assert rival in stage.rivals
+    assert [n.stand_in for n in stage.named] == [True]
+    assert or_instead(diagnosed[0].motion.stage, ()) == diagnosed[0].motion.stage
+
+
+def test_names_that_may_change_nothing_take_their_rivals_along(diagnosed: Diagnosed) -> None:
+    stage = diagnosed[0].motion.stage
+    (named,) = stage.named
+    rival = Rival(ActiveEffect.typical(named.effect.name, 1), named.effect, 0.5)
+    with_rival = replace(stage, rivals=(rival,))
+    assert with_rival.naming(stage.named).rivals == (rival,)
+    open_ends = {name: (None, None) for name in named.intervals}
+    unsure = replace(named, stand_in=True, intervals=open_ends)
+    weak = with_rival.naming([unsure])
+    assert weak.named == ()
+    assert weak.rivals == ()
+    assert weak.undetected[-1] == unsure
