@@ -320,6 +320,8 @@ def _line(r: dict[str, Any]) -> str:
         + (" (stand-in)" if e["stand_in"] else "")
         for e in r.get("effects", [])
     ]
+    if others := len(r.get("alternatives", [])):
+        said.append(f"or {others} other{'s' * (others > 1)}")
     moved = f"{1e3 * r['path_change_m']:.1f}, {1e3 * r['path_repeats_m']:.1f}" if "path_change_m" in r else "-"
     return (
         f"| {r['robot']} | {r['joints']}, {r['trials']} | {r['name']} | {moved} | {', '.join(said) or '-'} "
