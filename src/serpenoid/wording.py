@@ -9,6 +9,7 @@ FEW = 4  # names that are read at a glance
 OTHER_LAW = "may stand for another law of the floor or the water"  # ends what it says of names that mend one
 GROWING = "play all gaits, then all of them again, to tell"  # ends what it says of names that something growing beats
 OF_SHAPES = "names may stand in for what that does to the shapes"  # ends what it says of a point beside the midline
+ANY_RATIO = "gaits do not exclude another anisotropy ratio in its place"  # ends what it says of such names
 FOUND_ONCE = "found by one start alone; more starts may find a better one"  # of an optimum: nothing confirms it
 NOT_NAMED = "not named, as "  # begins what a diagnosis says of effects that it tried and refused
 

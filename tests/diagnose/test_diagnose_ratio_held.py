@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from serpenoid.diagnose.diagnose import verdict
 from serpenoid.diagnose.inference.doubt.groups import as_another_ratio, groups
 from serpenoid.diagnose.inference.doubt.law_doubt import of_gaits
 from serpenoid.diagnose.inference.fits.finding import Rival
@@ -16,9 +17,12 @@ from serpenoid.diagnose.inference.fits.medium import TO_THE_END, fit, fit_eps
 from serpenoid.diagnose.inference.search import ratio_held
 from serpenoid.diagnose.inference.search.discrepancy import by_gait, information_criterion, worse
 from serpenoid.diagnose.inference.search.ratio_held import as_it_was_or_another, held
+from serpenoid.diagnose.report.verdicts import meaning
+from serpenoid.diagnose.stages.motion import choose_motion
 from serpenoid.diagnose.stages.motion.choose_motion import or_instead
 from serpenoid.diagnose.stages.motion.other_explanations import instead
 from serpenoid.effects.active import ActiveEffect
+from serpenoid.wording import ANY_RATIO
 
 Diagnosed = tuple[Any, dict[str, Any], Any]
 
@@ -144,3 +148,19 @@ def test_names_that_may_change_nothing_take_their_rivals_along(diagnosed: Diagno
     assert weak.named == ()
     assert weak.rivals == ()
     assert weak.undetected[-1] == unsure
+
+
+def test_a_name_that_another_ratio_may_replace_is_marked_and_explains_nothing(
+    diagnosed: Diagnosed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, said, _ = diagnosed
+    selection = found.motion.selection
+    alone = replace(selection, motion=replace(selection.motion, ratio=0.2, ratio_held=True))
+    monkeypatch.setattr(choose_motion, "as_another_ratio", lambda chosen: list(chosen.best.effects))
+    stage = choose_motion.finding(alone, inadequate=True).stage
+    (named,) = stage.named
+    assert named.stand_in
+    assert stage.words == (f"{named.effect.called}: {ANY_RATIO}",)
+    record = said | {"verdict": verdict([stage]), "residual_pattern": [f"motion: {w}" for w in stage.words]}
+    assert record["verdict"] == "partly explained"
+    assert meaning(record) == "what is named accounts for everything beyond the noise, and so does another cause"

@@ -6,7 +6,7 @@ from serpenoid.diagnose.data.noise.repeats import UNLIKE
 from serpenoid.diagnose.report.sentences import SETTLED, undetected
 from serpenoid.diagnose.report.words import Record, few, law, shown, title
 from serpenoid.effects.catalogue import find
-from serpenoid.wording import GROWING, OF_SHAPES, OTHER_LAW
+from serpenoid.wording import ANY_RATIO, GROWING, OF_SHAPES, OTHER_LAW
 
 MEANINGS = {
     "nothing": "{law} explains this recording within its noise",
@@ -19,9 +19,11 @@ LINKS = (
     "what effects do is computed on straight links between the points; stand-ins do no more than what else is named is "
     "off by for that, or than paths are off by"
 )
+OPEN = "what is named accounts for everything beyond the noise, and so does another cause"
 SAID_OF_NAMES = {  # why they are in doubt, by how words on what is left end
     OTHER_LAW: "names that take at some places what they give at others may stand for another law",
     GROWING: "a cause that grows from trial to trial explains more than the stand-ins",
+    ANY_RATIO: "another anisotropy ratio may have changed in the place of stand-ins",
     OF_SHAPES: "a point beside the midline bends the shapes: stand-ins may mend what that does to the path",
 }
 UNREPEATED = {
@@ -43,6 +45,8 @@ def meaning(record: Record) -> str:
         return "only the anisotropy ratio has changed; that accounts for everything beyond the noise"
     if record["noise_from"] == "residuals" and record["verdict"] in UNREPEATED:
         return UNREPEATED[record["verdict"]]
+    if record["residual_pattern"] and all(w.endswith(ANY_RATIO) for w in record["residual_pattern"]):
+        return OPEN
     if record.get("changed_trials"):
         return "something acts in some of the trials alone: see `changed trials`"
     weak = undetected(record) if record["verdict"] == "nothing" else []

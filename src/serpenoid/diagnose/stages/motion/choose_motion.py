@@ -57,6 +57,7 @@ from serpenoid.diagnose.stages.motion.stand_ins import (
 )
 from serpenoid.diagnose.stages.motion.values_of_motion import beside_known, named_of, ratio_beside
 from serpenoid.model import Model
+from serpenoid.wording import ANY_RATIO
 
 GUESS = Noise(np.array([5e-4, 5e-4, 1e-3]), np.array([1e-4, 1e-4, 3e-4]))
 
@@ -251,8 +252,10 @@ def finding(
     if wrong:
         named = mending(found, named, before, after)
     if wrong or motion.unrepeated:
-        by_ratio = {e.key for e in as_another_ratio(found)}
-        named = [replace(n, stand_in=n.stand_in or n.effect.key in by_ratio) for n in named]
+        by_ratio = as_another_ratio(found)
+        open_keys = {e.key for e in by_ratio}
+        named = [replace(n, stand_in=n.stand_in or n.effect.key in open_keys) for n in named]
+        words = (*words, *(f"{e.called}: {ANY_RATIO}" for e in by_ratio))
     if motion.ratio is None and chance_from(motion.tracks) == "residuals":
         named = beside_what_is_left(motion, named)
     if motion.ratio is None:
