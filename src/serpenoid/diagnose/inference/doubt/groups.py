@@ -7,8 +7,8 @@ close are fitted in full.
 
 Where a law is known to be wrong beside a reference, what it gets wrong makes one of two explanations better in some
 gaits than in others. So they are held against each other by their likelihood, the law's error included
-(discrepancy.py), and gaits are the independent numbers: a rival is excluded if gaits agree that it is worse (Student's
-t of their differences; Vuong, Econometrica 57, 307, 1989, clustered by gaits).
+(discrepancy.py), and gaits and directions are the independent numbers: a rival is excluded if they agree that it is
+worse (Student's t of their differences; Vuong, Econometrica 57, 307, 1989, by groups).
 """
 
 from __future__ import annotations
