@@ -45,7 +45,8 @@ def meaning(record: Record) -> str:
         return "only the anisotropy ratio has changed; that accounts for everything beyond the noise"
     if record["noise_from"] == "residuals" and record["verdict"] in UNREPEATED:
         return UNREPEATED[record["verdict"]]
-    if record["residual_pattern"] and all(w.endswith(ANY_RATIO) for w in record["residual_pattern"]):
+    left = record.get("residual_pattern", [])
+    if left and all(w.endswith(ANY_RATIO) for w in left):
         return OPEN
     if record.get("changed_trials"):
         return "something acts in some of the trials alone: see `changed trials`"
