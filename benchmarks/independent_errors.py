@@ -20,19 +20,11 @@ from arena.any_robot import draw, hidden_of, play  # noqa: E402
 from arena.hidden import Hidden  # noqa: E402
 from arena.study import diagnosed  # noqa: E402
 from serpenoid.body import Floats  # noqa: E402
-from serpenoid.diagnose.data.noise.motion import Motion  # noqa: E402
 from serpenoid.diagnose.inference.doubt.explanations import singles  # noqa: E402
-from serpenoid.diagnose.inference.fits.medium import Fit  # noqa: E402
-from serpenoid.diagnose.inference.search import discrepancy  # noqa: E402
+from serpenoid.diagnose.inference.search.discrepancy import surprises  # noqa: E402
 from serpenoid.diagnose.reference import reference_of  # noqa: E402
 
 DIRECTIONS, WINDOWS = 3, 8  # of a mean; of a cycle
-
-
-def surprises(motion: Motion, found: Fit) -> tuple[Floats, np.ndarray]:
-    """-2 ln likelihood of each mean (K,) and its gait (K,)."""
-    mean, effect, labels = discrepancy._all_means(motion, found)
-    return discrepancy._surprises(discrepancy._likeliest(mean, effect), mean, effect), labels
 
 
 def inflated(apart: Floats, labels: np.ndarray, part: np.ndarray) -> float:

@@ -13,7 +13,7 @@ worse (Student's t of their differences; Vuong, Econometrica 57, 307, 1989, by g
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from serpenoid.diagnose.data.noise.paths import strength
@@ -21,11 +21,11 @@ from serpenoid.diagnose.inference.fits.finding import Rival, excludable
 from serpenoid.diagnose.inference.fits.medium import TO_THE_END, Fit, candidates_of, fit_guided
 from serpenoid.diagnose.inference.fits.prices import most_gained
 from serpenoid.diagnose.inference.search.discrepancy import by_gait, worse
-from serpenoid.diagnose.inference.search.names import Key
+from serpenoid.diagnose.inference.search.names import Key, Try
 from serpenoid.diagnose.inference.search.ranking import score, shortlist
 from serpenoid.diagnose.inference.search.scans import Ranked
 from serpenoid.diagnose.inference.search.select import Selection
-from serpenoid.diagnose.inference.search.tries import OUT_OF_REACH, SCREENING, attempt, elsewhere, finished
+from serpenoid.diagnose.inference.search.tries import OUT_OF_REACH, SCREENING, as_much_elsewhere, attempt, finished
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
 
@@ -43,12 +43,10 @@ class Swap:
 
 
 def groups(found: Selection, wrong: bool = False) -> tuple[Swap, ...]:
-    """Rivals of every chosen effect, best fit first; wrong: a law is known to be. Where nothing was played twice, it
-    may be."""
-    by_gaits = found.motion.ratio is not None and (wrong or found.motion.unrepeated)
+    """Rivals of every chosen effect, best fit first; wrong: a law is, or may be."""
     pairs = list(zip(found.best.effects, found.bases, strict=True))
     swaps = [s for e, base in pairs for s in _of(found, e, base)]
-    if by_gaits:
+    if wrong and found.motion.ratio is not None:
         known = {(s.rival.effect.key, s.rival.instead_of.key) for s in swaps}
         more = [s for e, base in pairs for s in _by_gaits(found, e, base)]
         swaps += [s for s in more if (s.rival.effect.key, s.rival.instead_of.key) not in known]
@@ -78,34 +76,31 @@ def _of(found: Selection, effect: ActiveEffect, base: Fit) -> list[Swap]:
     tries = in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in close])
     width = band(best)
     tries = [t for t in tries if not excludable(t.fit.chi2, best.chi2, size, width, SCREENED * gained)]
-    rivals: dict[tuple[str, int | None], Swap] = {}
-    for t in in_processes([(finished, (motion, t, TO_THE_END)) for t in tries]):
-        apart = strength(motion, best.predictions, t.fit.predictions) / found.noise_level_m
-        rival = Rival(t.fitted, effect, apart)
-        key = t.added.key
-        if excludable(t.fit.chi2, best.chi2, size, width):
-            continue
-        if key not in rivals or t.fit.chi2 < rivals[key].fit.chi2:
-            rivals[key] = Swap(rival, t.fit)
-    return list(rivals.values())
+    return _not_excluded(found, effect, tries, lambda fit: excludable(fit.chi2, best.chi2, size, width))
 
 
 def _by_gaits(found: Selection, effect: ActiveEffect, base: Fit) -> list[Swap]:
     """Rivals that gaits do not agree to exclude: the best to first order, and the same effect at other places."""
     motion, best, taken = found.motion, found.best, {e.key for e in found.best.effects}
-    ranked = shortlist([r for r in score(motion, base) if r[0].key not in taken and r[1] > 0], AT_MOST)
-    tries = in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in ranked])
-    others = [r for r in elsewhere(motion, base, effect) if r[0].key not in taken]
-    tries += in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in others])
+    close = shortlist([r for r in score(motion, base) if r[0].key not in taken and r[1] > 0], AT_MOST)
+    close += [r for r in as_much_elsewhere(motion, base, effect) if r[0].key not in taken]
+    tries = in_processes([(attempt, (motion, base, e, x, SCREENING)) for e, _, x in close])
     whole, left = base.evidence.count.sum(), by_gait(motion, best)
     tries = [t for t in tries if t.fit.chi2 < OUT_OF_REACH * best.chi2 and t.fit.evidence.count.sum() >= whole]
-    rivals: dict[Key, Swap] = {}
+    return _not_excluded(found, effect, tries, lambda fit: worse(by_gait(motion, fit), left))
+
+
+def _not_excluded(
+    found: Selection, effect: ActiveEffect, tries: Sequence[Try], excluded: Callable[[Fit], bool]
+) -> list[Swap]:
+    """Rivals of an effect that are not excluded when they are fitted to the end, the best of each name and place."""
+    motion, rivals = found.motion, dict[Key, Swap]()
     for t in in_processes([(finished, (motion, t, TO_THE_END)) for t in tries]):
-        if worse(by_gait(motion, t.fit), left):
+        known = rivals.get(t.added.key)
+        if excluded(t.fit) or (known is not None and t.fit.chi2 >= known.fit.chi2):
             continue
-        apart = strength(motion, best.predictions, t.fit.predictions) / found.noise_level_m
-        if t.added.key not in rivals or t.fit.chi2 < rivals[t.added.key].fit.chi2:
-            rivals[t.added.key] = Swap(Rival(t.fitted, effect, apart), t.fit)
+        apart = strength(motion, found.best.predictions, t.fit.predictions) / found.noise_level_m
+        rivals[t.added.key] = Swap(Rival(t.fitted, effect, apart), t.fit)
     return list(rivals.values())
 
 

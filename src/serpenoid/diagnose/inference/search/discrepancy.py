@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -43,10 +42,15 @@ def outdone(motion: Motion, full: Fit, bases: Sequence[Fit]) -> list[bool]:
 
 
 def information_criterion(motion: Motion, found: Fit) -> float:
-    """The deviance and the price of parameters and tries (prices.py): the least of several explanations is the best."""
+    """The deviance and the price of parameters and tries: the least of several explanations is the best."""
     deviated, count = deviance(motion, found)
+    return deviated + price(found, count)
+
+
+def price(found: Fit, count: int) -> float:
+    """Of a fit's parameters and tries beside so many means (prices.py)."""
     tries = gained_by_chance(len(candidates_of(found)) + len(found.effects))
-    return deviated + len(found.coordinates) * float(np.log(max(count, 2))) + len(found.effects) * tries
+    return len(found.coordinates) * float(np.log(max(count, 2))) + len(found.effects) * tries
 
 
 def deviance(motion: Motion, found: Fit, exact: Sequence[ActiveEffect] = ()) -> tuple[float, int]:
@@ -54,16 +58,15 @@ def deviance(motion: Motion, found: Fit, exact: Sequence[ActiveEffect] = ()) -> 
 
     exact: effects that have no error in proportion.
     """
-    mean, effect, _ = _all_means(motion, found, exact)
-    return least_deviance(mean, effect), len(mean)
+    every, _ = surprises(motion, found, exact)
+    return float(every.sum()), len(every)
 
 
 def by_gait(motion: Motion, found: Fit) -> Floats:
     """The criterion of `information_criterion`, gait by gait and direction by direction (G, 3): the price is shared."""
-    mean, effect, labels = _all_means(motion, found)
-    surprises, gaits = _surprises(_likeliest(mean, effect), mean, effect), sorted(set(motion.labels))
-    every = np.array([surprises[labels == gait].reshape(-1, 3).sum(axis=0) for gait in gaits])
-    return every + (information_criterion(motion, found) - every.sum()) / every.size
+    every, labels = surprises(motion, found)
+    gaits = [every[labels == gait].reshape(-1, 3).sum(axis=0) for gait in sorted(set(motion.labels))]
+    return np.array(gaits) + price(found, len(every)) / (3 * len(gaits))
 
 
 def worse(gaits: Floats, best: Floats) -> bool:
@@ -79,14 +82,14 @@ def worse(gaits: Floats, best: Floats) -> bool:
     return bool(apart.mean() > stdtrit(len(apart) - 1, CONFIDENCE) * scatter)
 
 
-def _all_means(motion: Motion, found: Fit, exact: Sequence[ActiveEffect] = ()) -> tuple[Floats, Floats, np.ndarray]:
-    """Mean residuals of repeats, direction by direction, what effects do there, and which gait's they are (K,) each."""
+def surprises(motion: Motion, found: Fit, exact: Sequence[ActiveEffect] = ()) -> tuple[Floats, np.ndarray]:
+    """-2 ln likelihood of each mean, direction by direction, and its gait (K,) each; exact: see `deviance`."""
     left, moved = residuals(motion.tracks, found.predictions), done(motion, found, exact)
     settings = by_setting(motion.tracks).values()
     parts = [_means(motion, left, moved, trials) for trials in settings]
     labels = [np.full(len(part[0]), motion.labels[trials[0]]) for part, trials in zip(parts, settings, strict=True)]
     mean, effect = (np.concatenate(x) for x in zip(*parts, strict=True))
-    return mean, effect, np.concatenate(labels)
+    return _surprised(mean, effect), np.concatenate(labels)
 
 
 def done(motion: Motion, found: Fit, besides: Sequence[ActiveEffect] = ()) -> list[Floats]:
@@ -107,28 +110,23 @@ def size_done(motion: Motion, found: Fit) -> float:
 
 
 def least_deviance(mean: Floats, effect: Floats) -> float:
-    """The same of means (K,) and what effects do there (K,), in units of chance and doubt."""
-    return float(_surprises(_likeliest(mean, effect), mean, effect).sum())
+    """The deviance of means (K,), by what effects do there (K,), both in units of chance and doubt."""
+    return float(_surprised(mean, effect).sum())
 
 
-def _likeliest(mean: Floats, effect: Floats) -> Floats:
-    """ln a^2 and ln b^2 that make means (K,) likeliest."""
+def _surprised(mean: Floats, effect: Floats) -> Floats:
+    """-2 ln likelihood of each mean (K,), with the errors that make all of them likeliest."""
+
+    def each(log: Floats) -> Floats:
+        v = 1 + np.exp(log[0]) + np.exp(log[1]) * effect**2
+        return np.asarray(mean**2 / v + np.log(v))
+
+    def whole(log: Floats) -> float:
+        return float(each(log).sum())
+
     bounds = [(SMALLEST, LARGEST)] * 2
-
-    def sum_of(log: Floats) -> float:
-        return float(_surprises(log, mean, effect).sum())
-
-    return np.asarray(min((minimize(sum_of, x, method="Nelder-Mead", bounds=bounds) for x in STARTS), key=_left).x)
-
-
-def _left(found: Any) -> float:
-    return float(found.fun)
-
-
-def _surprises(log: Floats, mean: Floats, effect: Floats) -> Floats:
-    """-2 ln likelihood of each mean (K,), but for a constant."""
-    v = 1 + np.exp(log[0]) + np.exp(log[1]) * effect**2
-    return np.asarray(mean**2 / v + np.log(v))
+    best = min((minimize(whole, x, method="Nelder-Mead", bounds=bounds) for x in STARTS), key=lambda o: o.fun)
+    return each(best.x)
 
 
 def _means(motion: Motion, left: list[Floats], moved: list[Floats], trials: list[int]) -> tuple[Floats, Floats]:

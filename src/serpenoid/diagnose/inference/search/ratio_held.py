@@ -18,7 +18,7 @@ from serpenoid.diagnose.data.noise.motion import Motion
 from serpenoid.diagnose.data.noise.shared import discrepancy
 from serpenoid.diagnose.inference.fits.medium import TO_THE_END, Fit, candidates_of, fit_eps, fit_guided
 from serpenoid.diagnose.inference.fits.prices import gained_by_chance
-from serpenoid.diagnose.inference.search.discrepancy import by_gait, deviance, information_criterion, worse
+from serpenoid.diagnose.inference.search.discrepancy import by_gait, deviance, price, worse
 from serpenoid.diagnose.inference.search.select import Selection
 from serpenoid.model import Model
 
@@ -60,7 +60,8 @@ def _worth_asking(found: Selection) -> bool:
 
 def _criterion(motion: Motion, found: Fit) -> float:
     """See `information_criterion`; another eps counts as one more effect of one parameter."""
-    criterion = information_criterion(motion, found)
+    deviated, count = deviance(motion, found)
+    criterion = deviated + price(found, count)
     if motion.ratio_held:
-        return criterion - float(np.log(max(deviance(motion, found)[1], 2)))
+        return criterion - float(np.log(max(count, 2)))
     return criterion + gained_by_chance(len(candidates_of(found)) + len(found.effects))

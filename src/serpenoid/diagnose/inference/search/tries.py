@@ -84,10 +84,10 @@ def at_other_places(motion: Motion, base: Fit, tries: Sequence[Try]) -> list[Ran
     change = np.array(fitted.coordinates[:-1]) - motion.unchanged(fitted)
     if not any(abs(x) > abs(p.coordinate(p.typical) - p.resting) for x, p in zip(change, numbers, strict=True)):
         return []
-    return [r for r in elsewhere(motion, base, fitted) if r[0].key not in tried]
+    return [r for r in as_much_elsewhere(motion, base, fitted) if r[0].key not in tried]
 
 
-def elsewhere(motion: Motion, base: Fit, fitted: ActiveEffect) -> list[Ranked]:
+def as_much_elsewhere(motion: Motion, base: Fit, fitted: ActiveEffect) -> list[Ranked]:
     """As much of an effect at each of its other places."""
     change = np.array(fitted.coordinates[:-1]) - motion.unchanged(fitted)
     others = [c for c in candidates_of(base) if c.name == fitted.name and c.key != fitted.key]

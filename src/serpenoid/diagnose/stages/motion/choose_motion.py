@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -117,14 +118,14 @@ def choose_on_tracks(
     def beside(other: Baseline) -> Selection:
         motion, null = alone(other)
 
-        def free() -> Selection:
-            return select(motion, null.model, lambda about: other.corrected(track(about)), say)
+        def searched_on(motion: Motion, model: Model) -> Selection:
+            return select(motion, model, lambda about: other.corrected(track(about)), say)
 
+        free = partial(searched_on, motion, null.model)
         if not other.ratio_known(motion.tracks):
             return free()
-        base, same = held(motion, other.model)
-        found = select(base, same.model, lambda about: other.corrected(track(about)), say)
-        return as_it_was_or_another(found, free, other.inadequate)
+        same, bare = held(motion, other.model)
+        return as_it_was_or_another(searched_on(same, bare.model), free, other.inadequate)
 
     def nothing(other: Baseline) -> tuple[Motion, Fit]:
         motion, null = alone(other)
@@ -222,7 +223,8 @@ def finding(
     named = [named_of(found, base, e, doubt) for e, base in zip(best.effects, found.bases, strict=True)]
     doubtful = frozenset[Key]() if parts is None else parts.as_well
     named = [n if n.effect.key in doubtful else in_its_range(motion, found.settled, n, wrong) for n in named]
-    swaps = groups(found, bool(wrong))
+    open_law = bool(wrong) or motion.unrepeated
+    swaps = groups(found, open_law)
     jumps = find_jumps(motion, found.settled.predictions, noise_level, missed_m, len(candidates_of(best)))
     undetected = [undetected_of(f, noise_level) for f in found.undetected]
     if jumps is not None:
@@ -251,7 +253,7 @@ def finding(
         named = [n if n is jumps else m for n, m in zip(named, with_stand_ins(found, named, inadequate), strict=True)]
     if wrong:
         named = mending(found, named, before, after)
-    if wrong or motion.unrepeated:
+    if open_law:
         by_ratio = as_another_ratio(found)
         open_keys = {e.key for e in by_ratio}
         named = [replace(n, stand_in=n.stand_in or n.effect.key in open_keys) for n in named]
