@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from arena.hidden import Hidden, by_cause
+from arena.hidden import STRENGTH, Hidden, by_cause, required
 from arena.study import KEPT, diagnosed, judged, moved_by
 from blind import table
 from blind.protocol import Protocol
@@ -217,7 +217,8 @@ def changes(drawn: Drawn) -> dict[str, Callable[[np.random.Generator], Hidden]]:
         return one("displaced_marker", ("marker_offset_ahead", v), ("marker_offset", v), vertex=v, along_m=along)
 
     def weak(rng: np.random.Generator) -> Hidden:
-        return one("weak_servo", joint=joint(rng), factor=0.15)
+        j = joint(rng)
+        return one("weak_servo", ("lagging_joint", j), ("slow_joint", j), joint=j, factor=0.15)
 
     def toe(rng: np.random.Generator) -> Hidden:
         return one("toe", vertex=vertex(rng), angle_deg=sign(rng) * float(rng.uniform(6, 15)))
@@ -271,7 +272,8 @@ def run_robot(key: str, number: int, work: Path, out: Path) -> None:
     for name, change in hidden.items():
         if (number, name) in done:
             continue
-        folder, began = play(work, drawn, name, key, change), time.process_time()
+        folder, again = play(work, drawn, name, key, change), play(work, drawn, "nothing", key, Hidden())
+        began = time.process_time()
         row = base | {"name": name, "hidden": change.changes}
         try:
             _, said = diagnosed(folder / "campaign", known, folder / "diagnosis", model)
@@ -279,8 +281,7 @@ def run_robot(key: str, number: int, work: Path, out: Path) -> None:
             kept(key, out, row | {"outcome": "refused", "verdict": str(error)})
             continue
         row |= {**judged(said, change), **{k: said[k] for k in KEPT}, "seconds": time.process_time() - began}
-        if drawn.protocol.plays > 1:
-            row["path_change_m"], row["path_repeats_m"] = moved_by(folder, then)
+        row["path_change_m"], row["path_repeats_m"] = moved_by(folder, then, again)
         kept(key, out, row)
         sys.stderr.write(f"robot {number}, {name}: {row['outcome']} ({row['verdict']})\n")
 
@@ -305,9 +306,13 @@ def _summary(above: dict[str, str], rows: Sequence[dict[str, Any]]) -> str:
         "| --- | --- | --- | --- | --- | --- | --- |\n"
     )
     judged_rows = [r for r in rows if "outcome" in r]
+    kinds = by_cause(judged_rows)
+    kinds[f"in the catalogue, of servos, of markers, or moving paths by {STRENGTH:g} times what repeats differ by"] = [
+        r for r in required(judged_rows) if r.get("answers")
+    ]
     counts = "; ".join(
         f"{kind}: {sum(r['outcome'] == 'right' for r in some)} of {len(some)} right"
-        for kind, some in by_cause(judged_rows).items()
+        for kind, some in kinds.items()
         if some
     )
     return head + "\n".join(_line(r) for r in rows) + f"\n\n{counts}.\n"

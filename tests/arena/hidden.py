@@ -10,6 +10,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from serpenoid.effects.catalogue import find
+
+STRENGTH = 3.0  # what a change must be of what repeats differ by, for a name to be required
 Name = tuple[str, int | None]
 
 
@@ -58,8 +61,9 @@ HIDDEN: dict[str, Hidden] = {
     "battery-sag": _one("battery_sag", ("servo_lag", None), ("speed_saturation", None), voltage_V=6.5),
     # its site is on the link ahead of the joint
     "displaced-marker": _one("displaced_marker", ("marker_offset_ahead", 5), vertex=5, along_m=0.01),
-    # outside: one servo that is soft, one wheel set askew, pulls
-    "weak-servo": _one("weak_servo", joint=4, factor=0.15),
+    # the same of one servo: back EMF over a softer gain is a longer lag, whatever the load
+    "weak-servo": _one("weak_servo", ("lagging_joint", 4), ("slow_joint", 4), joint=4, factor=0.15),
+    # outside: one wheel set askew, pulls
     "toe": _one("toe", vertex=11, angle_deg=10.0),
     "magnet": _one("magnet", link=10, x_m=0.25, y_m=0.2, force_N=3.0, reach_m=0.3),
     "tether": _one("tether", link=0, x_m=-0.5, y_m=0.0, stiffness=5.0, length_m=0.4),
@@ -74,3 +78,19 @@ def by_cause(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Mapping[str, A
         "in the catalogue": [r for r in rows if r.get("answers")],
         "outside": [r for r in rows if r["hidden"] and not r.get("answers")],
     }
+
+
+def required(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Judged rows that an answer is required of: what hides nothing or what no name says, and of changes in the
+    catalogue those of servos and markers, which are many noise levels there, and those of the floor that move paths by
+    STRENGTH times what repeats differ by. Where those are not known, neither is the strength."""
+    return [r for r in rows if not r.get("answers") or not _of_the_floor(r) or strength(r) >= STRENGTH]
+
+
+def _of_the_floor(row: Mapping[str, Any]) -> bool:
+    return all(find(name).site == "medium" for name, _ in row["answers"])
+
+
+def strength(row: Mapping[str, Any]) -> float:
+    """How far a change moves paths, over what repeats differ by; 0 where a table does not say."""
+    return float(row["path_change_m"] / row["path_repeats_m"]) if "path_change_m" in row else 0.0

@@ -93,12 +93,22 @@ def _names(items: list[dict[str, Any]]) -> list[Name]:
     return [(e["name"], e["place"]) for e in items]
 
 
-def moved_by(changed: Path, healthy: Path) -> tuple[float, float]:
-    """Path RMS [m] between changed and healthy trials, and between healthy repeats, starts laid together."""
-    then, now = ({p.stem: _path(p) for p in sorted((f / "truth").glob("*.npz"))} for f in (healthy, changed))
-    apart = [_apart(now[n], then[n]) for n in then]
-    repeats = [_apart(then[n], then[f"{n[:-1]}2"]) for n in then if n.endswith("-1")]
-    return tuple(float(np.sqrt(np.mean(np.square(x)))) for x in (apart, repeats))  # type: ignore[return-value]
+def moved_by(changed: Path, healthy: Path, again: Path | None = None) -> tuple[float, float]:
+    """Path RMS [m] between changed and healthy trials, and between healthy repeats, starts laid together.
+
+    again: the healthy robot once more; where nothing was played twice its trials are the repeats.
+    """
+    then, now = (_paths(f) for f in (healthy, changed))
+    twice = [(then[n], then[f"{n[:-1]}2"]) for n in then if n.endswith("-1") and f"{n[:-1]}2" in then]
+    if not twice and again is not None:
+        once_more = _paths(again)
+        twice = [(then[n], once_more[n]) for n in then]
+    each = [_apart(now[n], then[n]) for n in then], [_apart(a, b) for a, b in twice]
+    return tuple(float(np.sqrt(np.mean(np.square(x)))) for x in each)  # type: ignore[return-value]
+
+
+def _paths(folder: Path) -> dict[str, np.ndarray]:
+    return {p.stem: _path(p) for p in sorted((folder / "truth").glob("*.npz"))}
 
 
 def _path(file: Path) -> np.ndarray:

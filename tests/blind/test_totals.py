@@ -29,15 +29,13 @@ def test_right_answers_of_all_keys_are_added_up_where_something_is_required(tmp_
 
 def test_robots_of_the_arena_are_counted_by_what_is_hidden(tmp_path: Path) -> None:
     healthy = {"robot": 1, "name": "healthy"}  # the reference, which nobody judges
+    patch = {"name": "patch", "hidden": {"patch": {}}, "answers": [["grip_patch", None]], "path_repeats_m": 0.01}
     judged = [
         {"name": "nothing", "hidden": {}, "answers": [], "outcome": "right"},
-        {
-            "name": "patch",
-            "hidden": {"patch": {}},
-            "answers": [["load", 1]],
-            "outcome": "missed",
-        },
+        patch | {"path_change_m": 0.04, "outcome": "missed"},
+        patch | {"path_change_m": 0.02, "outcome": "missed"},  # too weak for a name to be required
+        {"name": "loose", "hidden": {"loose": {}}, "answers": [["loose_joint", 1]], "outcome": "right"},
         {"name": "tether", "hidden": {"tether": {}}, "answers": [], "outcome": "right"},
     ]
     table.write(tmp_path / "any-1" / "any-robot.csv", {"key": "any-1"}, [healthy, *judged])
-    assert totals.in_the_arena(tmp_path).causes == {"null": (1, 1), "one": (0, 1), "outside": (1, 1)}
+    assert totals.in_the_arena(tmp_path).causes == {"null": (1, 1), "one": (1, 2), "outside": (1, 1)}

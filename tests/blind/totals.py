@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from arena.hidden import by_cause
+from arena.hidden import by_cause, required
 from blind import table
 from blind.pages import TITLES, markdown, parts_of
 
@@ -78,10 +78,10 @@ def _plus(count: Count, share: Mapping[str, Any]) -> Count:
 
 
 def in_the_arena(root: Path) -> Sum:
-    """Robots drawn at random in the arena, two changes each, all keys."""
+    """Robots drawn at random in the arena, two changes each, all keys; of those in the catalogue that are required."""
     tables = [(p.parent.name, table.read(p)[1]) for p in sorted(root.glob("any-*/any-robot.csv"))]
     judged = [r for _, rows in tables for r in rows if "outcome" in r]
-    split = zip(("null", "one", "outside"), by_cause(judged).values(), strict=True)
+    split = zip(("null", "one", "outside"), by_cause(required(judged)).values(), strict=True)
     causes = {k: (sum(r["outcome"] == "right" for r in rows), len(rows)) for k, rows in split}
     return Sum(len(judged), tuple(name for name, _ in tables), causes, (0, 0))
 
