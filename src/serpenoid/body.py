@@ -245,8 +245,9 @@ class Body(Record):
         """The same body with other fields; a copy would keep what is cached of the old ones."""
         return Body.model_validate(self.model_dump() | fields)
 
-    def with_middles(self) -> Body:
+    def with_middles(self, pieces: int = 1) -> Body:
         """The same body with a rigid vertex in the middle of every edge: 2 k is vertex k, 2 k + 1 the middle of edge k.
+        Of edges in several pieces, a vertex in the middle of each: (pieces + 1) k is vertex k.
 
         The middles carry what dissipation at edges weighs, the others next to nothing (`BARE`): drag at these vertices
         is the drag of this body's edges. A weight so small that its half is none any more stays the least there is.
@@ -256,15 +257,16 @@ class Body(Record):
                 f"[body] an edge of {self.edges_m.min():g} m is too short to have a middle: give lengths in metres, "
                 f"each {2 * LEAST:g} or more."
             )
-        edges = self.edge_weights if self.weights is not None else self.edges
-        weights = np.full(2 * self.vertices - 1, BARE)
-        weights[1::2] = np.maximum(edges / edges.sum(), LEAST)
-        halves = np.repeat(self.edges_m / 2, 2)
+        edges, each = self.edge_weights if self.weights is not None else self.edges, pieces + 1
+        weights = np.full(each * (self.vertices - 1) + 1, BARE)
+        shares = np.repeat(np.maximum(edges / edges.sum() / pieces, LEAST), pieces)
+        weights[np.arange(len(weights)) % each > 0] = shares
+        steps = np.array([0.5, *[1.0] * (pieces - 1), 0.5]) / pieces
         return self.changed(
             vertices=len(weights),
-            joints=tuple(2 * j for j in self.joint_vertices),
+            joints=tuple(each * j for j in self.joint_vertices),
             length_m=None,
-            edge_lengths=tuple(halves.tolist()),
+            edge_lengths=tuple(np.outer(self.edges_m, steps).ravel().tolist()),
             weights=tuple(weights.tolist()),
         )
 

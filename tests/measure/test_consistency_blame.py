@@ -125,3 +125,22 @@ def test_a_doubt_has_the_cures_of_what_was_compared():
     cures = {"table": "turn the table", "log": "turn the log", "markers": "turn the markers"}
     ((_, said),) = _doubts([replace(sure, cures=cures)], [])
     assert said.endswith("else: turn the table; or turn the log")
+
+
+@pytest.mark.parametrize(("wrong", "cure"), [("table", "name `b` in `joint_table`"), ("log", "own file in `servo_log`")])
+def test_the_film_says_whether_the_table_or_the_log_is_of_a_gait_that_resembles_the_other(wrong, cure):
+    rng, phase = np.random.default_rng(3), 2 * np.pi * np.arange(40)[:, None] / 40
+    first = 0.5 * np.cos(phase + np.arange(5))
+    tables = {"a": first, "b": first + 0.25 * np.cos(2 * phase + rng.uniform(0, 6, 5))}  # they correlate by 0.9
+    own, other = (Schedule(table, 3.0, 2, 1.0) for table in tables.values())
+    time = np.arange(-0.5, own.end_s + 0.5, 1 / 50)
+    filmed = (other if wrong == "table" else own).commanded(time)
+    seen, read = filmed + rng.normal(0, 0.005, filmed.shape), other.commanded(time)
+    log = {"servos": Signal(time, read + rng.normal(0, 0.002, read.shape)), "commands": Signal(time, read)}
+    healthy = own.commanded(time)
+    shown = Signal(time, healthy + rng.normal(0, 0.005, healthy.shape))
+    right = Claim("t1", "a", own, shown, Signal(time, healthy), Signal(time, healthy))
+    trial = Claim("t2", "a", own, cameras=Signal(time, seen), **log)
+    (found,) = check([right, trial], tables).contradictions
+    assert found.trial == "t2"
+    assert cure in found.cure

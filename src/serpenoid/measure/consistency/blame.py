@@ -39,7 +39,7 @@ class Contradiction:
 def certain(rivals: Sequence[Rival], leanings: Mapping[str, float] | None = None) -> list[Contradiction]:
     """The best certain rivals of every trial; what would be wrong in every trial has the evidence of them all.
 
-    leanings: by how much the markers of trials, which show no joint's angle, make the table likelier than the log.
+    leanings: by how much the film of trials makes the table likelier than the log, where these contradict each other.
     """
     together: dict[Kind, float] = defaultdict(float)
     for rival in rivals:
@@ -106,7 +106,7 @@ def _contradiction(trial: str, found: Sequence[Rival], compared: Iterable[Pair],
     against = {(rival.pair, _at_root(rival)) for rival in found}
     clean = set(compared) - {pair for pair, _ in against}
     if sided is not None:
-        clean.add((sided, "markers"))
+        clean = {pair for pair in clean if "markers" not in pair} | {(sided, "markers")}
     blamed = [_blamed(rival, against, clean) for rival in near]
     told = [rival.words + _sides(rival, who) for rival, who in zip(near, blamed, strict=True)]
     words = "; or ".join(dict.fromkeys(told))

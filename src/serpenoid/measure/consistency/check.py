@@ -168,17 +168,19 @@ def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats])
 
 
 def _leaning(claim: Claim, rivals: Sequence[Rival]) -> float:
-    """By how much a film that shows no joint's angle makes the joint table likelier than the servo log [nats], where
-    these contradict each other; 0 where it follows neither."""
-    outline, servos, schedule = claim.outline, claim.servos, claim.schedule
+    """By how much the film makes the joint table likelier than the servo log [nats], where these contradict each other;
+    0 where it follows neither."""
+    film, servos, schedule = claim.film, claim.servos, claim.schedule
     doubted = any(rival.pair == ("table", "log") and rival.lead + rival.log_share > 0 for rival in rivals)
-    if not doubted or outline is None or servos is None or schedule is None or not outline.shown.enough:
+    if not doubted or film is None or servos is None or schedule is None or not film.enough:
         return 0.0
-    seconds = min(float(np.ptp(outline.shown.time_s)), MOST_CYCLES * schedule.period_s)
+    seconds = min(float(np.ptp(film.time_s)), MOST_CYCLES * schedule.period_s)
     courses = [course_of(schedule.seen_in(seconds)), logged(servos, servos.period_s)]
-    own = outline.shown.period_s or schedule.period_s
-    grid = window(outline.shown, min(schedule.period_s, own), max(schedule.period_s, own))
-    table, log = (match(grid, course.changed(outline.of), PHYSICAL) for course in courses)
+    if claim.outline is not None and film is claim.outline.shown:
+        courses = [course.changed(claim.outline.of) for course in courses]
+    own = film.period_s or schedule.period_s
+    grid = window(film, min(schedule.period_s, own), max(schedule.period_s, own))
+    table, log = (match(grid, course, PHYSICAL) for course in courses)
     return table.evidence - log.evidence if max(table.explained, log.explained) > SURE else 0.0
 
 

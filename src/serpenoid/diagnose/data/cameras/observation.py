@@ -75,10 +75,10 @@ class Observation:
         """Points (.., 2) on the floor as this camera shows them."""
         return points @ axes.map_of(self.axes) if self.axes.any() else points
 
-    def with_middles(self) -> Observation:
+    def with_middles(self, pieces: int = 1) -> Observation:
         """The same of a body with vertices in the middles of its edges: see `Body`."""
-        markers = np.zeros((2 * len(self.markers) - 1, 2))
-        markers[::2] = self.markers
+        markers = np.zeros(((pieces + 1) * (len(self.markers) - 1) + 1, 2))
+        markers[:: pieces + 1] = self.markers
         return replace(self, markers=markers)
 
     def angles(self, readings: Floats, begun: Floats | None = None) -> Floats:

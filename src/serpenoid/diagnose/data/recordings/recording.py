@@ -223,11 +223,12 @@ class Recording:
         sd = ROBUST * np.nanmedian(np.abs(miss - zero), axis=0)
         return [Source.of(self.time, shown - zero, np.maximum(sd, READING_SD))]
 
-    def with_middles(self) -> Recording:
+    def with_middles(self, pieces: int = 1) -> Recording:
         """The same of the body with vertices in the middles of its edges, which have no markers: see `Body`."""
-        markers = np.full((len(self.markers), 2 * self.body.vertices - 1, 2), np.nan)
-        markers[:, ::2] = self.markers
-        return replace(self, body=self.body.with_middles(), markers=markers)
+        body = self.body.with_middles(pieces)
+        markers = np.full((len(self.markers), body.vertices, 2), np.nan)
+        markers[:, :: pieces + 1] = self.markers
+        return replace(self, body=body, markers=markers)
 
     @cached_property
     def angles(self) -> Floats:

@@ -69,8 +69,9 @@ def _beyond(trials: list[Evidence], pairs: list[tuple[int, int]], columns: range
 
 def _unless_by_chance(squares: Floats, expected: Floats, columns: int) -> float:
     """The ratio of sums (K,), or 1 where chance alone makes as large a one with the stated probability."""
-    if not expected.sum() > 0:
+    whole = float(expected.sum())
+    if not whole > 0:
         return 1.0
-    ratio = float(squares.sum() / expected.sum())
-    degrees = columns * float(expected.sum() ** 2 / (expected**2).sum())
+    ratio = float(squares.sum()) / whole
+    degrees = columns / float(((expected / whole) ** 2).sum())  # squares of what a trace hardly shows are none
     return ratio if ratio > float(chdtri(degrees, ERROR)) / degrees else 1.0
