@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,21 @@ def test_drag_at_the_middles_is_drag_of_the_edges() -> None:
     amid = simulate_joint_angles(Model(body.with_middles(), at_vertices), table)
     assert amid.displacement == pytest.approx(plain.displacement, rel=1e-4)
     assert amid.dissipation == pytest.approx(plain.dissipation, rel=1e-4)
+
+
+def test_drag_amid_pieces_of_edges_is_drag_of_the_edges_of_a_body_that_is_cut_into_them() -> None:
+    edges, pieces = np.array([0.1, 0.06, 0.12, 0.08]), 3
+    table = 0.8 * np.sin(2 * np.pi * (np.arange(30)[:, None] / 30 - np.arange(3) / 3))
+    whole = Body(vertices=5, edge_lengths=tuple(edges))
+    cut = Body(vertices=13, joints=(3, 6, 9), edge_lengths=tuple(np.repeat(edges / pieces, pieces)))
+    at_edges, at_vertices = (Medium(anisotropy_ratio=EPS, dissipation=where) for where in ("edge", "vertex"))
+    amid = whole.with_middles(pieces)
+    assert amid.edges_m[[0, 1, 2, 3]] == pytest.approx(edges[0] / pieces * np.array([0.5, 1.0, 1.0, 0.5]))
+    plain, other = (
+        simulate_joint_angles(Model(body, medium), table) for body, medium in ((cut, at_edges), (amid, at_vertices))
+    )
+    assert other.displacement == pytest.approx(plain.displacement, rel=1e-4)
+    assert other.dissipation == pytest.approx(plain.dissipation, rel=1e-4)
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +88,33 @@ def test_what_is_diagnosed_with_drag_at_edges_can_be_simulated_and_diagnosed_aga
     one, other = (load(smooth / "edge.toml", model=model) for model in (None, str(extended)))
     assert other.body.joint_count == one.body.joint_count
     assert diagnosed(smooth, str(extended), tmp_path / "again")["verdict"] == "nothing"
+
+
+@pytest.mark.slow
+def test_dry_friction_all_along_the_links_is_told_of_where_drag_at_vertices_is_assumed(tmp_path: Path) -> None:
+    edges, pieces = [0.12, 0.16, 0.1, 0.14, 0.12], 6
+    fine = [round(e / pieces, 6) for e in edges for _ in range(pieces)]
+    joints = [pieces * (j + 1) for j in range(len(edges) - 1)]
+    robot = ["--joints", str(len(joints)), "--length", "0.64", "--anisotropy", str(EPS), "--yes"]
+    assert main(["new", "problem", str(tmp_path / "robot.toml"), *robot]) == 0
+    plain = (tmp_path / "robot.toml").read_text()
+    _, _, rest = re.split(r"(?m)^(?=\[body\])|^(?=\[medium\])", plain)
+    head = plain[: plain.index("[body]")]
+    truth = f"[body]\nvertices = {len(fine) + 1}\njoints = {joints}\nedge_lengths = {fine}\n\n"
+    law = rest.replace('"vertex"', '"edge"').replace('"viscous"', '"coulomb"')
+    (tmp_path / "truth.toml").write_text(head + truth + law)
+    words = ["--problem", str(tmp_path / "truth.toml"), "--yes"]
+    assert main(["new", "campaign", str(tmp_path / "campaign.toml"), *words]) == 0
+    text = (tmp_path / "campaign.toml").read_text()
+    said = f"[body]\nvertices = {len(edges) + 1}\nedge_lengths = {edges}\n\n"
+    text = re.sub(r"(?ms)^\[body\].*?(?=^\[)", said, text)
+    text = re.sub(r"(?ms)^\[medium\].*?(?=^\[)", "", text)
+    (tmp_path / "campaign.toml").write_text(re.sub(r"(?m)^vertices = \[.*\n", "", text))
+    assert main(["diagnose", str(tmp_path), "--out", str(tmp_path / "out"), "--no-figures", "--quiet"]) == 0
+    law = json.loads((tmp_path / "out" / "diagnosis.json").read_text())["law"]
+    assert law["drag_at"].startswith("dry friction, all along the links, misses windows by")
+    assert law["drag_as"].startswith('law = "coulomb" and dissipation = "edge", and the campaign')
+    assert not law["rivals"]  # at vertices none does as well
 
 
 def test_where_something_is_left_links_of_one_edge_are_to_be_cut() -> None:

@@ -127,7 +127,9 @@ def test_a_doubt_has_the_cures_of_what_was_compared():
     assert said.endswith("else: turn the table; or turn the log")
 
 
-@pytest.mark.parametrize(("wrong", "cure"), [("table", "name `b` in `joint_table`"), ("log", "own file in `servo_log`")])
+@pytest.mark.parametrize(
+    ("wrong", "cure"), [("table", "name `b` in `joint_table`"), ("log", "own file in `servo_log`")]
+)
 def test_the_film_says_whether_the_table_or_the_log_is_of_a_gait_that_resembles_the_other(wrong, cure):
     rng, phase = np.random.default_rng(3), 2 * np.pi * np.arange(40)[:, None] / 40
     first = 0.5 * np.cos(phase + np.arange(5))

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 from serpenoid.diagnose.inference.doubt.laws import NEITHER
+from serpenoid.diagnose.inference.doubt.middles import MIDDLES
 from serpenoid.diagnose.inference.fits.bounds import LEAST_EPS
 from serpenoid.diagnose.report.words import Record, law, times
 from serpenoid.media import DEFAULT, LAWS
 
 ALIKE = 0.005  # of eps: what reads alike
 SIDEWAYS = "above 1: the body slips more easily sideways than lengthwise, and moves the way its bends run"
-MIDDLES = 'dissipation = "edge"'
 
 
 def rival_law(record: Record) -> list[str]:
@@ -19,7 +19,8 @@ def rival_law(record: Record) -> list[str]:
     less."""
     other, follow = record["law"], "to look for causes beside it: diagnose with a --model whose [medium] has"
     rivals, taken = other.get("rivals", {}), other.get("taken")  # neither in older answers
-    told = [*((said, f'law = "{name}"') for name, said in [*rivals.items()][:1]), (other["drag_at"], MIDDLES)]
+    place = other["drag_at"], other.get("drag_as") or MIDDLES
+    told = [*((said, f'law = "{name}"') for name, said in [*rivals.items()][:1]), place]
     keep = f'to keep {LAWS[DEFAULT].title}: a --model whose [medium] has law = "{DEFAULT}"'
     found = [taken, keep] if taken else []
     for said, key in told:

@@ -24,7 +24,7 @@ from serpenoid.diagnose.inference.doubt.groups import Swap, as_another_ratio, gr
 from serpenoid.diagnose.inference.doubt.growing import grows_instead
 from serpenoid.diagnose.inference.doubt.law_doubt import doubted
 from serpenoid.diagnose.inference.doubt.left_open import believed
-from serpenoid.diagnose.inference.doubt.middles import Amid, drag_amid_edges
+from serpenoid.diagnose.inference.doubt.middles import Elsewhere, Tracked, drag_elsewhere
 from serpenoid.diagnose.inference.doubt.profile import in_its_range
 from serpenoid.diagnose.inference.doubt.same_ratio import as_much_as_another_ratio
 from serpenoid.diagnose.inference.fits.finding import VISIBLE, Named, Rival, Stage
@@ -89,8 +89,8 @@ def choose_motion(
 
     track = tracker(recordings, seen)
 
-    def amid(about: Model) -> tuple[Track, ...]:
-        return make_tracks([r.with_middles() for r in recordings], seen.with_middles(), about)
+    def amid(about: Model, pieces: int) -> tuple[Track, ...]:
+        return make_tracks([r.with_middles(pieces) for r in recordings], seen.with_middles(pieces), about)
 
     return choose_on_tracks(track, held_out_labels(recordings), baseline, say, amid=amid, searched=searched)
 
@@ -101,12 +101,13 @@ def choose_on_tracks(
     baseline: Baseline,
     say: Callable[[str], None],
     untestable: Mapping[str, str] | None = None,
-    amid: Callable[[Model], tuple[Track, ...]] | None = None,
+    amid: Tracked | None = None,
     searched: Searched = lambda found: None,
 ) -> MotionFinding:
     """The same on what `track` makes about a model, as it was seen; labels: what is held out together.
 
-    untestable: effects that are no candidates, and why. amid: makes tracks about a model with vertices amid the edges.
+    untestable: effects that are no candidates, and why. amid: makes tracks about a model with vertices amid pieces of
+    the edges.
     """
     begun: list[tuple[Baseline, tuple[Motion, Fit]]] = []  # of the last one: it is asked for more than once
 
@@ -137,8 +138,10 @@ def choose_on_tracks(
     chosen, baseline, first = beside_others(chosen, baseline, beside, nothing)
     asked = baseline.ratio is None  # with a reference it is known
     say("which law the medium follows")
-    middles = drag_amid_edges(chosen, amid) if asked and amid is not None else Amid()
-    law = law_of(chosen, baseline, beside, middles.misses) if asked else SAME
+    amid_edges = Elsewhere()
+    if asked and amid is not None:
+        amid_edges = drag_elsewhere(chosen, amid, baseline.law_open, baseline.without)
+    law = law_of(chosen, baseline, beside, amid_edges.misses) if asked else SAME
     chosen, baseline = law.selection or chosen, law.baseline or baseline
     parts = differing(chosen, baseline.inadequate)
     if parts is None:
@@ -148,9 +151,10 @@ def choose_on_tracks(
     say("what else it could be")
     found = finding(chosen, baseline.inadequate, beside_rivals(chosen, baseline), parts)
     barred = not_looked_for(baseline, untestable)
-    drag_at = "" if law.words else middles.words
+    place = Elsewhere() if law.words or law.misses < amid_edges.misses else amid_edges
     stage = beside_earlier(or_instead(found.stage, instead(chosen, first)), baseline)
-    stage = replace(stage, untestable=barred, laws=law.rivals, law_taken=law.words, drag_at=drag_at)
+    stage = replace(stage, untestable=barred, laws=law.rivals, law_taken=law.words)
+    stage = replace(stage, drag_at=place.words, drag_as=place.file)
     swaps = tuple(s for s in found.swaps if s.rival in stage.rivals)
     return replace(found, stage=stage, swaps=swaps, baseline=baseline)
 

@@ -34,12 +34,14 @@ from serpenoid.model import Model
 @dataclass(frozen=True)
 class Taken:
     """The law that is taken instead: what is found beside it, its baseline, and why, in words; None and empty: the
-    same. rivals: how others do beside the one that is taken, in words by their names."""
+    same. rivals: how others do beside the one that is taken, in words by their names; misses: what the best of these
+    misses windows by, over the noise."""
 
     selection: Selection | None = None
     baseline: Baseline | None = None
     words: str = ""
     rivals: dict[str, str] = field(default_factory=dict)
+    misses: float = np.inf
 
 
 SAME = Taken()
@@ -54,7 +56,7 @@ def law_of(
     than LAW_ERROR of what the law alone leaves beyond chance: as of servos, a law that leaves more is not the one.
 
     search: finds what is to be named beside a baseline. elsewhere: what the law itself misses windows by, over the
-    noise, where the drag sits elsewhere on the body; a law that misses as much is not the reason.
+    noise, or another one, where the drag sits elsewhere on the body; a law that misses as much is not the reason.
     """
     rivals = rival_laws(found, baseline.without)
     for rival in (r for r in rivals.values() if r.promising and baseline.law_open):
@@ -67,8 +69,9 @@ def law_of(
         if left.beside < elsewhere and takes_its_place(found, selection, left, LAW_ERROR):
             return Taken(selection, other, in_words(found, selection, left, other))
     open_question = unclear(found.best)
-    told = {name: r.words for name, r in rivals.items() if r.words and (r.better or open_question)}
-    return Taken(rivals=told)
+    asked = {name: r for name, r in rivals.items() if r.words and (r.better or open_question) and r.misses < elsewhere}
+    told = {name: r.words for name, r in asked.items()}
+    return Taken(rivals=told, misses=min((r.misses for r in asked.values()), default=np.inf))
 
 
 def in_words(found: Selection, other: Selection, left: Misfits, baseline: Baseline) -> str:
