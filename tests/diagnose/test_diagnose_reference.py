@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import shutil
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -65,6 +67,20 @@ def test_what_changed_since_the_reference_is_named_and_what_was_so_is_not(tmp_pa
     assert low < ZERO.parameters["offset"] < high
     assert said["reference"]["verdict"] == "explained"
     assert [e["name"] for e in said["reference"]["effects"]] == ["toe"]
+
+
+def test_the_same_recordings_and_another_body_are_no_reference(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(make(61, [], "then", COMBINATIONS[:1]), tmp_path / "then")
+    shutil.copytree(tmp_path / "then", tmp_path / "copied")
+    shutil.copytree(tmp_path / "then", tmp_path / "longer")
+    file = tmp_path / "longer" / "campaign.toml"
+    first = float(re.findall(r"edge_lengths = \[([0-9.]+)", file.read_text())[0])
+    file.write_text(file.read_text().replace(f"[{first}", f"[{1.2 * first:.4f}"))
+    for now, said in {"copied": "byte by byte: nothing can have changed", "longer": "of another body"}.items():
+        assert main(["diagnose", str(tmp_path / now), "--reference", str(tmp_path / "then"), "--no-figures"]) == 2
+        assert said in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -146,3 +146,25 @@ def test_the_film_says_whether_the_table_or_the_log_is_of_a_gait_that_resembles_
     (found,) = check([right, trial], tables).contradictions
     assert found.trial == "t2"
     assert cure in found.cure
+
+
+def test_two_joints_that_are_exchanged_in_the_log_of_one_trial_are_told_of_that_trial():
+    trials = [replace(claim(lambda a: a, "", "lm", seed), trial=f"t{seed}") for seed in (5, 6, 7)]
+    assert check(trials, {}).contradictions == ()
+    log = trials[1].servos
+    wrong = replace(trials[1], servos=Signal(log.time_s, log.values[:, [0, 2, 1, 3, 4]]))
+    found = check([trials[0], wrong, trials[2]], {}).contradictions
+    assert {one.trial for one in found} == {"t6"}
+    assert all("exchange `joint_2` and `joint_3` in this trial" in one.cure for one in found), found
+
+
+@pytest.mark.parametrize("exchanged", [True, False])
+def test_readings_that_follow_the_table_before_the_commands_do_are_the_commands(exchanged):
+    trial = claim(lambda a: a, "", "lm", 5)
+    time = trial.servos.time_s
+    told = trial.schedule.commanded(time - 90)
+    read = trial.schedule.commanded(time - 90.04) + np.random.default_rng(1).normal(0, 0.002, told.shape)
+    first, second = (told, read) if exchanged else (read, told)
+    found = check([replace(trial, servos=Signal(time, first), commands=Signal(time, second))], {}).contradictions
+    assert [one.kind for one in found] == ["exchanged"] * exchanged
+    assert all("are `command` and `position` exchanged" in one.cure for one in found)

@@ -5,15 +5,17 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from serpenoid.body import Body
 from serpenoid.diagnose.data.windows.tracks import NoPath
-from serpenoid.diagnose.stages.baseline import Baseline
+from serpenoid.diagnose.stages.baseline import Baseline, check_same
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
 from serpenoid.files import schema
+from serpenoid.files.inputs import RECORDING_BYTES, read_bytes
 from serpenoid.files.kinds import kind_of
 from serpenoid.files.schema import Record
 from serpenoid.measure.campaign import CampaignFile
@@ -95,7 +97,8 @@ def taken_for_granted(model: Model, law_open: bool, without: frozenset[str], not
 def check_reference(
     path: str | Path, earlier: CampaignFile, campaign: str | Path, file: CampaignFile, option: str = "--reference"
 ) -> None:
-    """Refuse, before either is diagnosed, a reference where one of the two campaigns is of tracked points alone."""
+    """Refuse, before either is diagnosed, a reference where one of the two campaigns is of tracked points alone, of
+    another body, or of the same recordings."""
     if file.tracked_only:
         raise InputError(
             f"{campaign}: has tracked points alone, so no other campaign repeats its shapes. Leave {option} out, "
@@ -106,6 +109,22 @@ def check_reference(
             f"{option} {path}: has tracked points alone: no robot can be compared with it. Name an earlier campaign "
             "of the same robot, with its joint tables or servo logs."
         )
+    if earlier.lengths_given and file.lengths_given:  # else trials tell them
+        check_same(earlier.body, file.body)
+    own = _recordings(campaign, file)
+    if own and own <= _recordings(path, earlier):
+        raise InputError(
+            f"{option} {path}: its recordings are those of {campaign}, byte by byte: nothing can have changed between "
+            "them. Name the earlier campaign, or put the later recordings in their place."
+        )
+
+
+def _recordings(path: str | Path, file: CampaignFile) -> set[tuple[str, float | None, float | None]]:
+    """Which films a campaign has, and what part of each."""
+    folder = Path(path) if Path(path).is_dir() else Path(path).parent
+    films = [(t, folder / t.motion) for t in file.trial if t.motion]
+    read = {film: sha256(read_bytes(film, RECORDING_BYTES)).hexdigest() for _, film in films}
+    return {(read[film], t.from_s, t.to_s) for t, film in films}
 
 
 def check_body(path: str | Path | None, file: CampaignFile) -> None:

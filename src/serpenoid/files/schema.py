@@ -258,7 +258,9 @@ def _place(where: Sequence[str | int], is_section: bool) -> str:
         return ""
     *above, last = where
     if isinstance(last, str):
-        return f"{_section(above)} {last}" if above else last
+        # keys within an entry of several are counted from it: they may stand in braces there
+        entry = max((i for i, part in enumerate(above) if isinstance(part, int)), default=len(above) - 1) + 1
+        return f"{_section(above[:entry])} {'.'.join(map(str, [*above[entry:], last]))}" if above else last
     return _section(where) if is_section else f"{_place(above, is_section=False)}, entry {last + 1}"
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from serpenoid.diagnose.report.drag import rival_law
 from serpenoid.diagnose.report.words import Record, few, parameter, shown, title
 
+WHOLE = "its value now is the whole of it, not what was added since"
+
 
 def reference(record: Record) -> list[str]:
     """What an earlier campaign, taken as the baseline, had shown."""
@@ -82,7 +84,10 @@ def _key(effect: Record) -> tuple[str, int | None]:
 def _there_already(effect: Record) -> list[str]:
     """An effect of the reference that is named again: its value is all of it, as then."""
     values = ", ".join(f"{name} {parameter(p)}" for name, p in effect["parameters"].items())
-    return [f"{title(effect)} was there already: {values}", "its value now is all of it, not the change"]
+    return [
+        f"{title(effect)} was there already: {values}",
+        "its value now is the whole of it, not what was added since",
+    ]
 
 
 def _there_in_part(record: Record) -> list[str]:
@@ -94,5 +99,7 @@ def _there_in_part(record: Record) -> list[str]:
         if (before := guesses.get(_key(e))) is not None and _key(e) not in named:
             values = ", ".join(f"{name} {shown(x, e['parameters'][name]['unit'])}" for name, x in before.items())
             found.append(f"{title(e)} may have been there already, too weak to be named: {values}")
-            found.append("its value now is all of it; its interval allows that none of it was there")
+            found.append(
+                "its value now is the whole of it, not what was added since; it may hold 0 and yet have changed"
+            )
     return found

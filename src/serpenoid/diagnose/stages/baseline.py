@@ -120,11 +120,7 @@ class Baseline:
 
     def check(self, body: Body) -> None:
         """Raise InputError if this is not known of such a body."""
-        mine = self.model.body
-        if len(mine.edges_m) != len(body.edges_m) or np.abs(mine.edges_m / body.edges_m - 1).max() > ALIKE:
-            raise InputError(
-                "the reference is of another body: its `edge_lengths` differ. Take a campaign of the same robot."
-            )
+        check_same(self.model.body, body)
 
     def observation(self) -> Observation:
         """What is known to lie between chain and markers."""
@@ -141,6 +137,14 @@ class Baseline:
     def corrected(self, tracks: Sequence[Track]) -> tuple[Track, ...]:
         """Tracks without what the model is known to get wrong."""
         return tuple(tracks)
+
+
+def check_same(mine: Body, body: Body) -> None:
+    """Raise InputError if a reference's body is not that of the campaign."""
+    if len(mine.edges_m) != len(body.edges_m) or np.abs(mine.edges_m / body.edges_m - 1).max() > ALIKE:
+        raise InputError(
+            "the reference is of another body: its `edge_lengths` differ. Take a campaign of the same robot."
+        )
 
 
 def read_by_servos(effects: Sequence[ActiveEffect]) -> tuple[ActiveEffect, ...]:

@@ -15,12 +15,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from serpenoid.measure.cells import Floats
-from serpenoid.measure.clock import find_offset
+from serpenoid.measure.clock import find_offset, held
 from serpenoid.measure.consistency.blame import TIED, Contradiction, certain
 from serpenoid.measure.consistency.claim import Claim, logged, same_joints
 from serpenoid.measure.consistency.clock_steps import without_step
 from serpenoid.measure.consistency.cut_logs import unsure_by_cycles
 from serpenoid.measure.consistency.hypotheses import (
+    IN_ONE,
     KINDS,
     NEAR,
     ROLLS,
@@ -36,8 +37,8 @@ from serpenoid.measure.consistency.hypotheses import (
     turned,
 )
 from serpenoid.measure.consistency.lost_frames import Lost, lost_frames, set_on
-from serpenoid.measure.consistency.match import HIGHEST_GAIN, PHYSICAL, Match, Prior, course_of, match
-from serpenoid.measure.consistency.rivals import SURE, Compared, Rival, compared, leads, window
+from serpenoid.measure.consistency.match import EXACT, HIGHEST_GAIN, PHYSICAL, Match, Prior, course_of, match
+from serpenoid.measure.consistency.rivals import SURE, WIRING, Compared, Rival, compared, leads, window
 from serpenoid.measure.consistency.signals import AWAY, Signal, moving_s, stopped_s
 from serpenoid.measure.schedule import Schedule
 from serpenoid.parallel import in_processes
@@ -53,6 +54,7 @@ ALIKE = 0.1  # of a gain: those of one cause differ by less
 LOG_CURE = "name that file in `servo_log`"
 CURES = {"log": LOG_CURE, "markers": "are the recordings of two trials exchanged? Name each trial's own in `motion`"}
 RARE = 0.01  # of rows are outliers
+AHEAD_ROWS = 10  # of a log, by which readings may be ahead of commands
 PROMISED = 400  # moments of a course at which it is looked at for joints that are to move
 
 
@@ -71,9 +73,11 @@ class Verdict:
 def check(claims: Sequence[Claim], tables: Mapping[str, Floats]) -> Verdict:
     """Score every promise of every trial. `tables`: all joint tables of the campaign by label.
 
-    Units first: recordings that last a thousand times too long take as much longer to be laid over anything.
+    Units and columns first: recordings that last a thousand times too long take as much longer to be laid over
+    anything.
     """
-    units = [found for claim in claims for found in [*_in_other_units(claim), *_in_other_angles(claim)]]
+    asked = (_in_other_units, _in_other_angles, _readings_first)
+    units = [found for claim in claims for one in asked for found in one(claim)]
     if units:
         return Verdict(tuple(units), (), ())
     judged = in_processes([(_judged, (claim, claims, tables)) for claim in claims])
@@ -155,7 +159,7 @@ def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats])
     found = _schedule_against_witness(claim, tables, claims), _servos_against_cameras(claim, claims)
     for one in found:
         if one is not None:
-            rivals += one.rivals
+            rivals += [*one.rivals, *_wired_in_one(one.rivals, len(claims))]
             lost += _unexplained(claim, one)
             remarks += [*_weakness(claim, one.contract, one.witness), *one.doubts]
     remarks += [(claim.trial, place.said) for place in torn]
@@ -165,6 +169,43 @@ def _judged(claim: Claim, claims: Sequence[Claim], tables: Mapping[str, Floats])
     return Verdict(
         tuple(lost), tuple(remarks), tuple(rivals), {claim.trial: torn} if torn else {}, {claim.trial: leaning}
     )
+
+
+def _wired_in_one(rivals: Sequence[Rival], trials: int) -> list[Rival]:
+    """Joints turned round or exchanged in one trial alone: in the others nothing speaks against that."""
+    one = "in this trial: in its servo log (or its table), or in its `markers`?"
+    return [
+        replace(
+            r, kind=WIRING + IN_ONE[False], everywhere=False, cures={}, cure=f"{r.cure} {one}",
+            log_share=r.log_share - float(np.log(trials)),
+        )
+        for r in rivals
+        if r.kind == WIRING
+    ]  # fmt: skip
+
+
+def _readings_first(claim: Claim) -> list[Contradiction]:
+    """A log whose positions follow the table more closely than its commands, and before these: no servo does."""
+    servos, commands, schedule = claim.servos, claim.commands, claim.schedule
+    if servos is None or commands is None or schedule is None or not (servos.enough and commands.enough):
+        return []
+    known = servos.known
+    step = float(np.median(np.diff(commands.time_s)))
+    told = commands.values[commands.known]
+    shifts = step * np.arange(-AHEAD_ROWS, AHEAD_ROWS + 0.25, 0.25)
+    at = commands.time_s[commands.known]
+    cost = [((told - held(servos.time_s[known], servos.values[known], at - shift)) ** 2).mean() for shift in shifts]
+    ahead = float(shifts[int(np.argmin(cost))])
+    if ahead <= 0 or min(cost) > ALIKE * cost[len(shifts) // 2]:
+        return []
+    course = course_of(schedule.seen_in(min(float(np.ptp(at)), MOST_CYCLES * schedule.period_s)))
+    grids = [window(signal, schedule.period_s, schedule.period_s) for signal in (commands, servos)]
+    of_commands, of_positions = (1 - match(grid, course, EXACT).explained for grid in grids)
+    if of_positions > ALIKE * of_commands:
+        return []
+    words = f"the servo log's positions follow the joint table, {1e3 * ahead:.2g} ms before its commands do"
+    cure = "are `command` and `position` exchanged in [servo_log]?"
+    return [Contradiction(claim.trial, "exchanged", words, cure, np.inf)]
 
 
 def _leaning(claim: Claim, rivals: Sequence[Rival]) -> float:

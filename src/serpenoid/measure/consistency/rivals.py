@@ -22,6 +22,7 @@ POINTS = 40  # of the grid in a cycle
 PERIODS = 8  # of a recording that are looked at, from where it begins to move
 SURE = 0.95  # of it is explained by what was really played; a rival with less accuses nobody (a damaged robot)
 HOPELESS = 50.0  # nats behind at the contract's rate: other rates are not tried
+WIRING = "wiring"  # the kind of rivals that turn a joint round, or exchange two
 SAID = {"table": "the joint table", "log": "the servo log", "markers": "the film"}
 SOURCES = {"the servo log's commands": "log", "the servo log's positions": "log", "the recorded shapes": "markers"}
 
@@ -124,7 +125,7 @@ def _rivals(
             )  # fmt: skip
     for wiring in wiring_faults(grid, contract, prior):
         rivals.append(
-            Rival(trial, witness, "wiring", f"{witness} {wiring.words} compared with {SAID[pair[0]]}", wiring.cure,
+            Rival(trial, witness, WIRING, f"{witness} {wiring.words} compared with {SAID[pair[0]]}", wiring.cure,
                   wiring.gain, wiring.log_share, True, wiring.explained, pair, wiring.cures)
         )  # fmt: skip
     return rivals
