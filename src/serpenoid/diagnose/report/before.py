@@ -99,7 +99,5 @@ def _there_in_part(record: Record) -> list[str]:
         if (before := guesses.get(_key(e))) is not None and _key(e) not in named:
             values = ", ".join(f"{name} {shown(x, e['parameters'][name]['unit'])}" for name, x in before.items())
             found.append(f"{title(e)} may have been there already, too weak to be named: {values}")
-            found.append(
-                "its value now is the whole of it, not what was added since; it may hold 0 and yet have changed"
-            )
+            found.append(f"{WHOLE}: an interval that holds 0 means that it may be gone")
     return found
