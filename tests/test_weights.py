@@ -72,7 +72,7 @@ def test_weights_next_to_nothing_are_halved_and_edges_next_to_nothing_refused() 
     """What a file may say of a body holds of all bodies that are made of it."""
     body = Body(vertices=5, edge_lengths=(0.1,) * 4, weights=(0.5, 1e-9, 1e-9, 1e-9, 0.5))
     middles = body.with_middles()
-    assert middles.has_middles
+    assert middles.pieces == 1
     share = middles.vertex_weights[1::2] / middles.vertex_weights[1::2].sum()
     np.testing.assert_allclose(share, body.edge_weights, atol=1e-8)
     Body(vertices=4, edge_lengths=(1e-9, 1e-9, 1e3)).uniform()

@@ -271,9 +271,11 @@ class Body(Record):
         )
 
     @property
-    def has_middles(self) -> bool:
-        """Whether every other vertex is the middle of an edge, as `with_middles` makes them."""
-        return self.weights is not None and all(w == BARE for w in self.weights[::2])
+    def pieces(self) -> int:
+        """Of each edge, in whose middles `with_middles` has put vertices; 0: none has."""
+        bare = [i for i, w in enumerate(self.weights or ()) if w == BARE]
+        each = bare[1] if len(bare) > 1 else 1
+        return each - 1 if bare == list(range(0, self.vertices, each)) else 0
 
     @cached_property
     def joint_vertices(self) -> tuple[int, ...]:

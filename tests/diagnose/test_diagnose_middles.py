@@ -113,8 +113,13 @@ def test_dry_friction_all_along_the_links_is_told_of_where_drag_at_vertices_is_a
     assert main(["diagnose", str(tmp_path), "--out", str(tmp_path / "out"), "--no-figures", "--quiet"]) == 0
     law = json.loads((tmp_path / "out" / "diagnosis.json").read_text())["law"]
     assert law["drag_at"].startswith("dry friction, all along the links, misses windows by")
-    assert law["drag_as"].startswith('law = "coulomb" and dissipation = "edge", and the campaign')
+    assert law["drag_at_model"] == "drag-elsewhere.toml"
     assert not law["rivals"]  # at vertices none does as well
+    model = str(tmp_path / "out" / "drag-elsewhere.toml")
+    said = diagnosed(tmp_path, model, tmp_path / "again")
+    assert said["verdict"] == "nothing"
+    low, high = said["anisotropy_ratio"]["interval"]
+    assert low - 0.01 < EPS < high + 0.01  # four pieces for six: 1 / 16 of what a link resists turning by, not 1 / 36
 
 
 def test_where_something_is_left_links_of_one_edge_are_to_be_cut() -> None:

@@ -83,16 +83,16 @@ def diagnose_campaign(
     check_body(model, file)
     if unlike := unlike_body(model, file):
         listener.notice(unlike)
-    middles = at_middles(model, file)
-    body = file.body.with_middles() if middles else file.body
-    if middles and file.body.sparse_edges:
+    pieces = at_middles(model, file)
+    body = file.body.with_middles(pieces) if pieces else file.body
+    if pieces == 1 and file.body.sparse_edges:
         listener.notice(file.body.sparse_edges)
     known = earlier or taken_for_granted(
         baseline(model, file, body), law_is_open(model, file), without, listener.notice
     )
     known.check(body)
     _, recordings = read_recordings(campaign, listener.reading, files)
-    recordings = tuple(r.with_middles() for r in recordings) if middles else recordings
+    recordings = tuple(r.with_middles(pieces) for r in recordings) if pieces else recordings
     try:
         found = diagnose(recordings, known, listener.say, listener.searched, listener.climbed)
         return file, replace(found, changed=changed_trials(recordings, known, found, listener.say)) if apart else found

@@ -127,7 +127,7 @@ def record(d: Diagnosis) -> dict[str, Any]:
         },
         "law": {
             "name": law, "taken": taken or None, "rivals": rivals, "drag_at": d.motion.stage.drag_at,
-            "drag_as": d.motion.stage.drag_as, "open": d.baseline.law_open,
+            "open": d.baseline.law_open,
         },
         "discrepancy_m": d.motion.stage.discrepancy_m,
         "parts_differ_by": d.motion.stage.unlike or None,

@@ -11,6 +11,7 @@ from typing import Any
 
 from serpenoid.body import Body
 from serpenoid.diagnose.data.windows.tracks import NoPath
+from serpenoid.diagnose.inference.doubt.middles import PIECES
 from serpenoid.diagnose.stages.baseline import Baseline, check_same
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
@@ -56,12 +57,16 @@ def law_is_open(path: str | Path | None, file: CampaignFile) -> bool:
     return file.medium is None or "law" not in file.medium.model_fields_set
 
 
-def at_middles(path: str | Path | None, file: CampaignFile) -> bool:
-    """Whether drag sits in the middles of the recorded body's edges: [medium] says so, or an extended model's body."""
+def at_middles(path: str | Path | None, file: CampaignFile) -> int:
+    """In the middles of how many pieces of the recorded body's edges drag sits: [medium] says so, or the body of a
+    model that a diagnosis wrote; 0: at its vertices."""
     data = _model(path) if path is not None else {}
+    cut = {file.body.with_middles(pieces).vertices: pieces for pieces in (1, PIECES)}
+    if (pieces := cut.get(_vertices(data), 0)) > 0:
+        return pieces
     stated = data.get("medium") if isinstance(data.get("medium"), dict) else None
     where = stated.get("dissipation") if stated else file.medium and file.medium.dissipation
-    return where == "edge" or _vertices(data) == file.body.with_middles().vertices
+    return int(where == "edge")
 
 
 def _model(path: str | Path) -> dict[str, Any]:
@@ -131,7 +136,8 @@ def check_body(path: str | Path | None, file: CampaignFile) -> None:
     """InputError where a file describes another robot than the one that was recorded; animals' points are resampled."""
     data = _model(path) if path is not None else {}
     vertices = _vertices(data)
-    if vertices not in (None, file.body.vertices, file.body.with_middles().vertices):
+    written = [file.body.with_middles(pieces).vertices for pieces in (1, PIECES)]
+    if vertices not in (None, file.body.vertices, *written):
         joints = data["body"].get("joints")
         cut = isinstance(joints, list) and len(joints) == file.body.joint_count
         cure = (

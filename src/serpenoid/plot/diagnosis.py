@@ -50,14 +50,14 @@ def draw_shapes(folder: Path, steps: Sequence[Step]) -> list[str]:
 def draw_motion(folder: Path, found: Selection) -> list[str]:
     """What the search for effects alone shows, so that it can be drawn before all is judged; names of the figures."""
     w = windows(found.motion, found.null.predictions, found.best.predictions)
-    extended, middles = bool(found.best.effects), found.motion.tracks[0].recording.body.has_middles
+    extended, pieces = bool(found.best.effects), found.motion.tracks[0].recording.body.pieces
     # what takes longest is begun first
     jobs: Jobs = {"residuals": lambda: diagnosis_maps.residuals_figure(w, extended)}
     if extended:
         jobs["residuals-left"] = lambda: diagnosis_maps.left_figure(w)
     kinds = [("baseline", found.null.predictions), ("extended", found.best.predictions)][: 1 + extended]
     jobs["residuals-in-time"] = lambda: diagnosis_trials.trials_figure(found.motion, kinds)
-    jobs["along-body"] = lambda: diagnosis_maps.body_figure(w, extended, found.scores, middles)
+    jobs["along-body"] = lambda: diagnosis_maps.body_figure(w, extended, found.scores, pieces)
     if on_floor(w, w.before):  # some square was visited often enough
         jobs["on-floor"] = lambda: diagnosis_maps.floor_figure(w, extended)
     if diagnosis_ranking.ranked(found):  # something gains, or was chosen

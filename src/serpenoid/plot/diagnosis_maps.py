@@ -111,10 +111,10 @@ def against(
     return dress(ax, "", "", "")
 
 
-def body_figure(w: Windows, extended: bool, scores: Scores, middles: bool = False) -> Figure:
+def body_figure(w: Windows, extended: bool, scores: Scores, pieces: int = 0) -> Figure:
     """Residual velocity of every vertex across and along the body; what an effect at each vertex would gain.
 
-    middles: every other vertex is the middle of an edge.
+    pieces: of each edge, whose middles are vertices.
     """
     placed = any(place is not None for _, place, _ in scores)
     fig = figure(9.6 if placed else 6.6, 3.2)
@@ -128,7 +128,8 @@ def body_figure(w: Windows, extended: bool, scores: Scores, middles: bool = Fals
         fig.legend(*axes[2].get_legend_handles_labels(), loc="upper right", **style)
     for ax in axes:
         ax.set_xticks(np.arange(0, w.points.shape[1], -(-w.points.shape[1] // MOST_TICKS)))
-        ax.set_xlabel("vertex (0 = tail; odd: middles of edges)" if middles else "vertex (0 = tail)")
+        amid = f"; {pieces + 1} k: vertex k of the campaign's body, between them its edges" if pieces else ""
+        ax.set_xlabel(f"vertex (0 = tail{amid})")
     settle(fig, axes, above=0.3, title=0.27)
     return fig
 

@@ -18,7 +18,7 @@ def reference(record: Record) -> list[str]:
     said += [f"perhaps stand-ins: {few(stand_ins)}"] if stand_ins else []
     said += since(record)
     said += _otherwise(record)
-    said += rival_law(earlier)
+    said += rival_law(earlier, of_reference=True)
     again = [e for e in earlier["effects"] if _key(e) in map(_key, record["effects"])]
     said += [text for e in again for text in _there_already(e)]
     return said + _there_in_part(record)

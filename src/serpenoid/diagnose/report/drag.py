@@ -5,27 +5,30 @@ from __future__ import annotations
 import math
 
 from serpenoid.diagnose.inference.doubt.laws import NEITHER
-from serpenoid.diagnose.inference.doubt.middles import MIDDLES
 from serpenoid.diagnose.inference.fits.bounds import LEAST_EPS
 from serpenoid.diagnose.report.words import Record, law, times
 from serpenoid.media import DEFAULT, LAWS
 
 ALIKE = 0.005  # of eps: what reads alike
+MIDDLES = 'dissipation = "edge"'
 SIDEWAYS = "above 1: the body slips more easily sideways than lengthwise, and moves the way its bends run"
 
 
-def rival_law(record: Record) -> list[str]:
+def rival_law(record: Record, of_reference: bool = False) -> list[str]:
     """How the best other law of the floor does, or another place of the drag, and how to follow it, where it leaves
-    less."""
+    less; of_reference: as it is said of an earlier campaign."""
     other, follow = record["law"], "to look for causes beside it: diagnose with a --model whose [medium] has"
     rivals, taken = other.get("rivals", {}), other.get("taken")  # neither in older answers
-    place = other["drag_at"], other.get("drag_as") or MIDDLES
-    told = [*((said, f'law = "{name}"') for name, said in [*rivals.items()][:1]), place]
     keep = f'to keep {LAWS[DEFAULT].title}: a --model whose [medium] has law = "{DEFAULT}"'
     found = [taken, keep] if taken else []
-    for said, key in told:
-        found += [said, *([] if said.endswith(NEITHER) else [f"{follow} {key}"])] if said else []
-    return found
+    for name, said in [*rivals.items()][:1]:
+        found += [said, *([] if said.endswith(NEITHER) else [f'{follow} law = "{name}"'])] if said else []
+    if not other["drag_at"]:
+        return found
+    file = other.get("drag_at_model")  # not in older answers
+    where = "that its answer writes if it is diagnosed by itself" if of_reference else "in the folder of this answer"
+    beside = f"to look for causes beside it: diagnose with --model {file}, {where}" if file else f"{follow} {MIDDLES}"
+    return [*found, other["drag_at"], beside]
 
 
 def _told_beside(record: Record) -> float:

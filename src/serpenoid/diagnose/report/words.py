@@ -59,12 +59,14 @@ def what_to_do(effect: Record, record: Record) -> list[str]:
 
 
 def own_place(effect: Record, record: Record) -> str:
-    """Where drag in the middles of edges makes vertices of them: a vertex in the numbers of the campaign's own body."""
+    """Where drag amid edges makes vertices there: a vertex in the numbers of the campaign's own body."""
     place = effect.get("place")
     if place is None or not record.get("middles") or find(effect["name"]).place != "vertex":
         return ""
-    half = place // 2
-    return f"{f'the middle of edge {half}' if place % 2 else f'vertex {half}'} of the campaign's body"
+    pieces = int(record["middles"])
+    edge, part = divmod(place, pieces + 1)
+    amid = f"the middle of edge {edge}" if pieces == 1 else f"piece {part} of {pieces} of edge {edge}"
+    return f"{amid if part else f'vertex {edge}'} of the campaign's body"
 
 
 def foremost(record: Record) -> list[Record]:

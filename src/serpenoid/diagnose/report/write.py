@@ -25,6 +25,11 @@ PLACES = (
     "drag sits in the middles of edges, which are vertices here: 2 k is vertex k of the campaign's body, 2 k + 1 the "
     "middle of edge k"
 )
+ALONG = (
+    "drag sits all along the links, in {pieces} pieces of each edge, whose middles are vertices here: {each} k is "
+    "vertex k of the campaign's body, what follows are the pieces of edge k"
+)
+ELSEWHERE = "drag-elsewhere.toml"
 CHANGED = "changed-trials"  # the folder of their answer, in that of the whole campaign's
 LONG = ("residual_maps", "scores", "provenance")  # of an answer that stands in another: its own file has them
 PREDICTION = "only to predict: not named as a cause"
@@ -45,15 +50,17 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, A
     known = {e.key: e for e in (*d.baseline.known, *before.effects)}
     notes = [role(e, data["effects"], known) for e in d.model.effects]
     data["only_predicts"] = [plain(e) for e, note in zip(d.model.effects, notes, strict=True) if note == PREDICTION]
-    middles = d.model.body.vertices > file.body.vertices and not file.tracked_only
-    body, places = (d.model.body, f"\n{PLACES}") if middles else (None, "")
-    data["remarks"] += [PLACES] * middles
-    data["middles"] = middles
-    data["remarks"][:0] = about_links(file.body, d.motion.stage.settled) if middles else []
+    pieces = 0 if file.tracked_only else d.model.body.pieces
+    body, said = (d.model.body, PLACES if pieces == 1 else _along(pieces)) if pieces else (None, "")
+    places = f"\n{said}" if pieces else ""
+    data["remarks"] += [said] if pieces else []
+    data["middles"] = pieces
+    data["remarks"][:0] = about_links(file.body, d.motion.stage.settled) if pieces == 1 else []
     comment = f"what the diagnosis of {file.name} found: {d.verdict}" + PREDICTS * (PREDICTION in notes) + places
     write_model_file(folder / "extended-model.toml", d.model.medium, d.model.effects, body, comment, notes)
     comment = f"what the diagnosis of {file.name} began with, calibrated" + places
     write_model_file(folder / "baseline-model.toml", before.medium, tuple(known.values()), body, comment)
+    data["law"]["drag_at_model"] = _elsewhere(folder, file, d)
     data["next_experiment"] = _next_experiment(folder, d)
     data["changed_trials"] = None if d.changed is None else _changed(folder, file, d.changed, reference)
     write_json(folder / "diagnosis.json", data)
@@ -69,6 +76,22 @@ def _changed(folder: Path, file: CampaignFile, of: ChangedTrials, reference: dic
     told = {key: value for key, value in answer.items() if key not in LONG}
     trials, rest = list(of.divided.changed), list(of.divided.others)
     return {"trials": trials, "others": rest, "folder": CHANGED, "diagnosis": told}
+
+
+def _along(pieces: int) -> str:
+    return ALONG.format(pieces=pieces, each=pieces + 1)
+
+
+def _elsewhere(folder: Path, file: CampaignFile, d: Diagnosis) -> str | None:
+    """The file of the model whose drag acts elsewhere on the body, where that leaves less."""
+    other = d.motion.elsewhere
+    if other is None:
+        return None
+    along = f"\n{_along(other.body.pieces)}" if other.body.pieces > 1 else f"\n{PLACES}"
+    comment = f"of {file.name}: {d.motion.stage.drag_at}{along}"
+    every = (*d.baseline.known, *other.effects)
+    write_model_file(folder / ELSEWHERE, other.medium, every, other.body, comment)
+    return ELSEWHERE
 
 
 def about_links(body: Body, settled: bool) -> list[str]:

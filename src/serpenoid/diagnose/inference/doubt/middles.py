@@ -22,17 +22,15 @@ from serpenoid.media import Law, rivals
 from serpenoid.model import Model
 
 PIECES = 4
-MIDDLES = 'dissipation = "edge"'
 Tracked = Callable[[Model, int], tuple[Track, ...]]
 
 
 class Elsewhere(NamedTuple):
-    """How drag elsewhere does, in words, what it misses windows by, over the noise, and what a model's file says of
-    it."""
+    """How drag elsewhere does, in words, what it misses windows by, over the noise, and its model."""
 
     words: str = ""
     misses: float = float("inf")
-    file: str = ""
+    model: Model | None = None
 
 
 def drag_elsewhere(
@@ -63,7 +61,7 @@ def drag_elsewhere(
             if round(left, 1) < round(min(alone, named, best.misses), 1):  # as it would be said
                 with_named = ", with what is named," if found.best.effects and named < alone else ""
                 words = f"{place.said(law)} misses windows by {left:.1f} times the noise, {place.here(law)}{with_named}"
-                best = Elsewhere(f"{words} by {min(alone, named):.1f}", left, place.file(law))
+                best = Elsewhere(f"{words} by {min(alone, named):.1f}", left, fitted.model)
     return best
 
 
@@ -92,14 +90,6 @@ class Place:
     def here(self, law: Law) -> str:
         """What it is compared with."""
         return f"{'drag' if law is self.model.law else self.model.law.title} at vertices"
-
-    def file(self, law: Law) -> str:
-        """What files say of it."""
-        follows = "" if law is self.model.law else f'law = "{law.name}" and '
-        cut = (
-            f", and the campaign's [body] {self.pieces} edges a link (`vertices`, `joints`, `edge_lengths`), [motion] "
-        )
-        return f"{follows}{MIDDLES}{cut}the `vertices` that have a marker" if self.pieces > 1 else follows + MIDDLES
 
 
 def _places(found: Selection, track: Tracked) -> Iterator[Place]:

@@ -125,7 +125,7 @@ class Stage:
     left: remaining misfit over the noise level (1 = chance alone); words: its pattern, empty where there is none.
     skipped: why the recordings say nothing on this stage, empty where they do; untestable: effects that were no
     candidates, and why. laws, drag_at: how other laws, by name, how drag elsewhere on the body does, where it does
-    better; drag_as: what a model's file says of that; law_taken: why another law than the file's default is taken.
+    better; law_taken: why another law than the file's default is taken.
     unlike, ratio: the effect by which parts of a kind differ from one another, if they do, and ends of eps beside it.
     squares: of the markers' stage, of each channel and of all together, what nothing accounts for in units of noise.
     news: of that stage, too, of each channel, which share of what is left was not left before, if visibly; else 0.
@@ -146,7 +146,6 @@ class Stage:
     laws: dict[str, str] = field(default_factory=dict)
     law_taken: str = ""
     drag_at: str = ""
-    drag_as: str = ""
     unlike: str = ""
     ratio: tuple[float, float] | None = None
     squares: tuple[float, ...] = ()

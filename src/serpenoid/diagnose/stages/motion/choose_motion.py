@@ -68,7 +68,8 @@ Searched = Callable[[Selection], None]  # hears what is named and why, before it
 
 @dataclass(frozen=True)
 class MotionFinding:
-    """The stage's finding and everything it rests on; baseline: beside which of several it was found."""
+    """The stage's finding and everything it rests on; baseline: beside which of several it was found; elsewhere: the
+    model whose drag acts elsewhere on the body, where that leaves less."""
 
     stage: Stage
     selection: Selection
@@ -76,6 +77,7 @@ class MotionFinding:
     before_m: float
     after_m: float
     baseline: Baseline | None = None
+    elsewhere: Model | None = None
 
 
 def choose_motion(
@@ -154,9 +156,9 @@ def choose_on_tracks(
     place = Elsewhere() if law.words or law.misses < amid_edges.misses else amid_edges
     stage = beside_earlier(or_instead(found.stage, instead(chosen, first)), baseline)
     stage = replace(stage, untestable=barred, laws=law.rivals, law_taken=law.words)
-    stage = replace(stage, drag_at=place.words, drag_as=place.file)
+    stage = replace(stage, drag_at=place.words)
     swaps = tuple(s for s in found.swaps if s.rival in stage.rivals)
-    return replace(found, stage=stage, swaps=swaps, baseline=baseline)
+    return replace(found, stage=stage, swaps=swaps, baseline=baseline, elsewhere=place.model)
 
 
 def with_a_path(baseline: Baseline, beside: Callable[[Baseline], Found]) -> tuple[Found, Baseline]:

@@ -146,8 +146,8 @@ def _without(best: Looked, keys: Sequence[Key]) -> Looked:
 
 
 def stated(body: Body) -> Floats:
-    """Edges as they are written: of a body with vertices in their middles, both halves together."""
-    return body.edges_m.reshape(-1, 2).sum(axis=1) if body.has_middles else body.edges_m
+    """Edges as they are written: of a body with vertices amid them, all parts of each together."""
+    return body.edges_m.reshape(-1, body.pieces + 1).sum(axis=1)
 
 
 def _freed(start: Looked, which: np.ndarray | None = None) -> Refitted:
@@ -182,5 +182,6 @@ def _turned(rest: Looked, free: Refitted) -> Refitted:
 
 
 def _with_edges(data: Sample, written: Floats) -> Sample:
-    edges = np.repeat(written / 2, 2) if data.body.has_middles else written
+    parts = data.body.edges_m.reshape(len(written), -1)
+    edges = (written[:, None] * parts / parts.sum(axis=1, keepdims=True)).ravel()
     return replace(data, body=data.body.changed(length_m=None, edge_lengths=tuple(edges.tolist())))
