@@ -59,3 +59,6 @@ def test_then_no_servo_is_accused():
     said = _unlike(SimpleNamespace(data=SimpleNamespace(recordings=(trial,))), 2, 2.5)
     assert said.startswith("the bend that markers show at joint 3 is off its command by 2.5 times its noise, and no")
     assert re.search(r"the marker at joint 3 is 7\.[0-4] mm beside its place$", said)
+    found = displaced_marker([trial], 3)
+    assert [found.beside(joint) for joint in range(1, 6)] == [False, True, True, True, False]
+    assert re.match(r"the marker at joint 3 is 7\.[0-4] mm beside its place: put it right, or log", found.remedy)

@@ -188,7 +188,15 @@ def beside_changes(
     every = unknown or (baseline.ratio is not None and shapes and wrong)
     small = [key for s in above if any(s.news) for key in no_larger(found.selection, seen, s.news)]
     doubted = tuple(_stand_in(n) if every or n.effect.key in small else n for n in found.stage.named)
-    return replace(found, stage=replace(found.stage, named=doubted))
+    stage = replace(found.stage, named=doubted)
+    return replace(found, stage=_undivided(stage) if above[0].mend else stage)
+
+
+def _undivided(stage: Stage) -> Stage:
+    """Without trials in which something acts alone: where a marker is off its place, repeats in which it is hidden in
+    other frames differ by that."""
+    told = stage.divided.words if stage.divided is not None else ""
+    return replace(stage, divided=None, hiding="", words=tuple(w for w in stage.words if w != told))
 
 
 def _stand_in(named: Named) -> Named:

@@ -17,7 +17,7 @@ from serpenoid.diagnose.stages.actuation.actuation_by_joint import Attempt, atte
 from serpenoid.diagnose.stages.actuation.actuation_evidence import slopes_of
 from serpenoid.diagnose.stages.actuation.actuation_refit import refined
 from serpenoid.diagnose.stages.actuation.actuation_search import Played, each_its_own, next_one, numbers_of, of_all_anew
-from serpenoid.diagnose.stages.actuation.displaced_markers import displaced_marker
+from serpenoid.diagnose.stages.actuation.displaced_markers import DisplacedMarker, displaced_marker
 from serpenoid.diagnose.stages.actuation.gone import as_neutral
 from serpenoid.diagnose.stages.actuation.law_by_trial import law_by_trial
 from serpenoid.diagnose.stages.actuation.plays import Plays
@@ -103,10 +103,14 @@ def _chosen(data: Plays) -> tuple[Stage, Played]:
     if by_trial is not None and divided is not None and divided in by_trial.said:  # it is their law
         refused = by_trial.of_others(refused)
     words += refused if misses and not some else ()
+    marker = _displaced(best, worst) if misses else None
+    if marker is not None:  # a law of a servo there may only mend what it does
+        every = [n for n in every if n.effect.place is None or not marker.beside(n.effect.place)]
     named = tuple(n for n in every if n.strength >= VISIBLE and not n.may_change_nothing)
     undetected = tuple(n for n in every if n not in named)
     rivals = tuple(r for n in named for r in _rivals(best, n.effect, singles))
-    return Stage("actuation", named, rivals, undetected, left, words, divided=divided), best
+    mend = "" if marker is None else marker.remedy
+    return Stage("actuation", named, rivals, undetected, left, words, divided=divided, mend=mend), best
 
 
 def _exchanged(best: Played, grown: Played, bare: Played) -> Played:
@@ -163,14 +167,19 @@ def _fewer_moments(best: Played, one: Divided, other: Divided) -> bool:
 
 def _unlike(best: Played, joint: int, left: float) -> str:
     """That a joint (0 .. m - 1) is so many times the noise from what it is told, or what shows it so."""
-    recordings = best.data.recordings
-    marker = None if recordings[0].by_servos else displaced_marker(recordings, joint + 1)
+    marker = _displaced(best, joint)
     if marker is None:
         return f"joint {joint + 1} misses its command by {left:.1f} times {_missed(best, joint)}"
     return (
         f"the bend that markers show at joint {joint + 1} is off its command by {left:.1f} times its noise, and "
         f"{DISPLACED}: {marker.words}"
     )
+
+
+def _displaced(best: Played, joint: int) -> DisplacedMarker | None:
+    """The marker that makes a joint (0 .. m - 1) seem to miss its command, where no servo log says that it does."""
+    recordings = best.data.recordings
+    return None if recordings[0].by_servos else displaced_marker(recordings, joint + 1)
 
 
 def _missed(best: Played, joint: int) -> str:

@@ -43,8 +43,22 @@ class DisplacedMarker:
     def words(self) -> str:
         """As the second half of a sentence."""
         lengths = "" if self.sure else ", or links that meet there are of other lengths than `edge_lengths`"
-        far = f"{1e3 * self.distance_m:.2g} mm"
-        return f"by the lengths of links the marker at joint {self.joint} is {far} beside its place{lengths}"
+        return f"by the lengths of links the marker at joint {self.joint} is {self._far} beside its place{lengths}"
+
+    @property
+    def remedy(self) -> str:
+        """What to do first."""
+        lengths = "" if self.sure else ", or see whether `edge_lengths` are right there"
+        put = f"put it right, or log the servos{lengths}; then diagnose again"
+        return f"the marker at joint {self.joint} is {self._far} beside its place: {put}"
+
+    def beside(self, joint: int) -> bool:
+        """Whether it bends what markers show of a joint (1 .. m)."""
+        return abs(joint - self.joint) <= 1
+
+    @property
+    def _far(self) -> str:
+        return f"{1e3 * self.distance_m:.2g} mm"
 
 
 def displaced_marker(recordings: Sequence[Recording], joint: int) -> DisplacedMarker | None:
