@@ -128,7 +128,7 @@ def body_figure(w: Windows, extended: bool, scores: Scores, pieces: int = 0) -> 
         fig.legend(*axes[2].get_legend_handles_labels(), loc="upper right", **style)
     for ax in axes:
         ax.set_xticks(np.arange(0, w.points.shape[1], -(-w.points.shape[1] // MOST_TICKS)))
-        amid = f"; {pieces + 1} k: vertex k of the campaign's body, between them its edges" if pieces else ""
+        amid = {0: "", 1: "; odd: middles of edges"}.get(pieces, f"; {pieces + 1} k: the body's vertex k")
         ax.set_xlabel(f"vertex (0 = tail{amid})")
     settle(fig, axes, above=0.3, title=0.27)
     return fig
