@@ -46,9 +46,9 @@ CAPTIONS = {
     "that vertex would gain, to first order (0: nothing).",
     "on-floor": "Residual velocity of the vertices where they stood on the floor, before and after on one scale of "
     "colours and of arrows. Colour: RMS over what noise makes of it (1: noise alone). Arrows: mean.",
-    "ranking": "Candidates in the stage of motion, beside the anisotropy ratio alone; dark: chosen by the search, dashed: "
-    "what is needed. Wrong candidates can gain much by standing in for the right one, so the best are fitted in full and "
-    "compared again; where one was chosen for a while and is not named, the reason is written there.",
+    "ranking": "Candidates in the stage of motion, beside the anisotropy ratio alone; dark: chosen by the search, "
+    "dashed: what is needed. Wrong candidates can gain much by standing in for the right one, so the best are fitted "
+    "in full and compared again; where one was chosen for a while and is not named, the reason is written there.",
     "since-reference": "Without any model: by how much joint angles and paths of the same gaits differ from the "
     "reference's, each path from its own first pose. Dashed: what repeats differ by, the reference's where it has any.",
     "next-experiment": "Its joint angles.",
