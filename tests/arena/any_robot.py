@@ -268,12 +268,11 @@ def run_robot(key: str, number: int, work: Path, out: Path) -> None:
     row = base | {"name": "healthy", "seconds": time.process_time() - began, **{k: said[k] for k in KEPT}}
     if (number, "healthy") not in done:
         kept(key, out, row)
-    known = reference_of(healthy)
+    known, again = reference_of(healthy), play(work, drawn, "nothing", key, Hidden())
     for name, change in hidden.items():
         if (number, name) in done:
             continue
-        folder, again = play(work, drawn, name, key, change), play(work, drawn, "nothing", key, Hidden())
-        began = time.process_time()
+        folder, began = play(work, drawn, name, key, change), time.process_time()
         row = base | {"name": name, "hidden": change.changes}
         try:
             _, said = diagnosed(folder / "campaign", known, folder / "diagnosis", model)

@@ -12,7 +12,7 @@ from blind.protocol import usual
 from serpenoid.body import Body
 from serpenoid.diagnose.data.used import parameter_unit
 from serpenoid.diagnose.inference.search.names import Refused
-from serpenoid.diagnose.report.before import WHOLE, already, already_in_short, reference
+from serpenoid.diagnose.report.before import already, already_in_short, reference
 from serpenoid.diagnose.report.cards import cards
 from serpenoid.diagnose.report.drag import drag_ratio, ratio
 from serpenoid.diagnose.report.next_trial import unreliable
@@ -322,7 +322,7 @@ def test_what_is_named_in_the_reference_and_again_has_its_earlier_value_beside_i
     said = reference({"reference": earlier | {"law": law}, "effects": [drift]})
     assert said[1:] == [
         "frame_drift was there already: velocity_x 15.3 mm/s (95 %: 13.8 mm/s .. 16.1 mm/s)",
-        WHOLE,
+        "its value now is the whole of it, not what was added since",
     ]
 
 
@@ -336,7 +336,8 @@ def test_of_what_is_named_beside_a_guess_about_the_reference_the_guess_is_told()
     record = {"reference": earlier | {"anisotropy_ratio": eps}, "effects": [load], "baseline": guess}
     assert reference(record)[1:] == [
         "load at vertex 5 may have been there already, too weak to be named: share 0.1",
-        f"{WHOLE}: an interval that holds 0 means that it may be gone",
+        "its value now is the whole of it, not what was added since: an interval that holds 0 means that it may be "
+        "gone",
     ]
 
 

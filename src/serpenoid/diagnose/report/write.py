@@ -51,7 +51,7 @@ def write(folder: Path, file: CampaignFile, d: Diagnosis, reference: dict[str, A
     notes = [role(e, data["effects"], known) for e in d.model.effects]
     data["only_predicts"] = [plain(e) for e, note in zip(d.model.effects, notes, strict=True) if note == PREDICTION]
     pieces = 0 if file.tracked_only else d.model.body.pieces
-    body, said = (d.model.body, PLACES if pieces == 1 else _along(pieces)) if pieces else (None, "")
+    body, said = (d.model.body, _places(pieces)) if pieces else (None, "")
     places = f"\n{said}" if pieces else ""
     data["remarks"] += [said] if pieces else []
     data["middles"] = pieces
@@ -78,8 +78,9 @@ def _changed(folder: Path, file: CampaignFile, of: ChangedTrials, reference: dic
     return {"trials": trials, "others": rest, "folder": CHANGED, "diagnosis": told}
 
 
-def _along(pieces: int) -> str:
-    return ALONG.format(pieces=pieces, each=pieces + 1)
+def _places(pieces: int) -> str:
+    """Which vertices those of a body are whose drag acts amid so many pieces of each edge."""
+    return PLACES if pieces == 1 else ALONG.format(pieces=pieces, each=pieces + 1)
 
 
 def _elsewhere(folder: Path, file: CampaignFile, d: Diagnosis) -> str | None:
@@ -87,8 +88,7 @@ def _elsewhere(folder: Path, file: CampaignFile, d: Diagnosis) -> str | None:
     other = d.motion.elsewhere
     if other is None:
         return None
-    along = f"\n{_along(other.body.pieces)}" if other.body.pieces > 1 else f"\n{PLACES}"
-    comment = f"of {file.name}: {d.motion.stage.drag_at}{along}"
+    comment = f"of {file.name}: {d.motion.stage.drag_at}\n{_places(other.body.pieces)}"
     every = (*d.baseline.known, *other.effects)
     write_model_file(folder / ELSEWHERE, other.medium, every, other.body, comment)
     return ELSEWHERE

@@ -55,6 +55,7 @@ LOG_CURE = "name that file in `servo_log`"
 CURES = {"log": LOG_CURE, "markers": "are the recordings of two trials exchanged? Name each trial's own in `motion`"}
 RARE = 0.01  # of rows are outliers
 AHEAD_ROWS = 10  # of a log, by which readings may be ahead of commands
+FAR_LESS = 0.1  # of mean squares: what exchanged columns leave, over what they leave as they are called
 PROMISED = 400  # moments of a course at which it is looked at for joints that are to move
 
 
@@ -196,12 +197,12 @@ def _readings_first(claim: Claim) -> list[Contradiction]:
     at = commands.time_s[commands.known]
     cost = [((told - held(servos.time_s[known], servos.values[known], at - shift)) ** 2).mean() for shift in shifts]
     ahead = float(shifts[int(np.argmin(cost))])
-    if ahead <= 0 or min(cost) > ALIKE * cost[len(shifts) // 2]:
+    if ahead <= 0 or min(cost) > FAR_LESS * cost[len(shifts) // 2]:
         return []
     course = course_of(schedule.seen_in(min(float(np.ptp(at)), MOST_CYCLES * schedule.period_s)))
     grids = [window(signal, schedule.period_s, schedule.period_s) for signal in (commands, servos)]
     of_commands, of_positions = (1 - match(grid, course, EXACT).explained for grid in grids)
-    if of_positions > ALIKE * of_commands:
+    if of_positions > FAR_LESS * of_commands:
         return []
     words = f"the servo log's positions follow the joint table, {1e3 * ahead:.2g} ms before its commands do"
     cure = "are `command` and `position` exchanged in [servo_log]?"

@@ -33,9 +33,7 @@ class Elsewhere(NamedTuple):
     model: Model | None = None
 
 
-def drag_elsewhere(
-    found: Selection, track: Tracked, law_open: bool = False, without: Collection[str] = ()
-) -> Elsewhere:
+def drag_elsewhere(found: Selection, track: Tracked, law_open: bool, without: Collection[str]) -> Elsewhere:
     """The place, and the law there, that leaves least beside drag at vertices; nothing where it is no question, or does
     worse, by itself, than what is named makes of drag at vertices. Other laws are asked for as long as the law leaves
     more than LAW_ERROR of what it does at vertices.
