@@ -16,6 +16,7 @@ from serpenoid.cli.main import main
 from serpenoid.diagnose.report.write import about_links
 from serpenoid.medium import Medium
 from serpenoid.model import Model
+from serpenoid.model_file import write_model_file
 from serpenoid.problem import load
 from serpenoid.simulation.rollout import simulate_joint_angles
 
@@ -88,6 +89,15 @@ def test_what_is_diagnosed_with_drag_at_edges_can_be_simulated_and_diagnosed_aga
     one, other = (load(smooth / "edge.toml", model=model) for model in (None, str(extended)))
     assert other.body.joint_count == one.body.joint_count
     assert diagnosed(smooth, str(extended), tmp_path / "again")["verdict"] == "nothing"
+
+
+def test_a_model_of_another_body_with_as_many_vertices_is_refused(
+    smooth: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = Body(vertices=3, edge_lengths=(0.3, 0.3)).with_middles(4)  # 11 vertices, as the recorded one with middles
+    write_model_file(tmp_path / "other.toml", Medium(anisotropy_ratio=EPS), (), other)
+    assert main(["diagnose", str(smooth), "--model", str(tmp_path / "other.toml"), "--no-figures"]) == 2
+    assert "a body of 11 vertices, but the campaign" in capsys.readouterr().err
 
 
 @pytest.mark.slow

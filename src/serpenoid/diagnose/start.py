@@ -61,12 +61,21 @@ def at_middles(path: str | Path | None, file: CampaignFile) -> int:
     """In the middles of how many pieces of the recorded body's edges drag sits: [medium] says so, or the body of a
     model that a diagnosis wrote; 0: at its vertices."""
     data = _model(path) if path is not None else {}
-    cut = {file.body.with_middles(pieces).vertices: pieces for pieces in (1, PIECES)}
-    if (pieces := cut.get(_vertices(data), 0)) > 0:
+    if pieces := _cut_into(data, file):
         return pieces
     stated = data.get("medium") if isinstance(data.get("medium"), dict) else None
     where = stated.get("dissipation") if stated else file.medium and file.medium.dissipation
     return int(where == "edge")
+
+
+def _cut_into(data: dict[str, Any], file: CampaignFile) -> int:
+    """In how many pieces of each edge of the recorded body the one of a model has middles; 0: it is another body."""
+    stated = data.get("body")
+    if not isinstance(stated, dict):
+        return 0
+    bodies = {pieces: file.body.with_middles(pieces) for pieces in (1, PIECES)}
+    said = stated.get("vertices"), stated.get("joints")
+    return next((p for p, b in bodies.items() if (b.vertices, list(b.joint_vertices)) == said), 0)
 
 
 def _model(path: str | Path) -> dict[str, Any]:
@@ -136,8 +145,7 @@ def check_body(path: str | Path | None, file: CampaignFile) -> None:
     """InputError where a file describes another robot than the one that was recorded; animals' points are resampled."""
     data = _model(path) if path is not None else {}
     vertices = _vertices(data)
-    written = [file.body.with_middles(pieces).vertices for pieces in (1, PIECES)]
-    if vertices not in (None, file.body.vertices, *written):
+    if vertices not in (None, file.body.vertices) and not _cut_into(data, file):
         joints = data["body"].get("joints")
         cut = isinstance(joints, list) and len(joints) == file.body.joint_count
         cure = (

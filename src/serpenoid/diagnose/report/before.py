@@ -84,10 +84,7 @@ def _key(effect: Record) -> tuple[str, int | None]:
 def _there_already(effect: Record) -> list[str]:
     """An effect of the reference that is named again: its value is all of it, as then."""
     values = ", ".join(f"{name} {parameter(p)}" for name, p in effect["parameters"].items())
-    return [
-        f"{title(effect)} was there already: {values}",
-        "its value now is the whole of it, not what was added since",
-    ]
+    return [f"{title(effect)} was there already: {values}", WHOLE]
 
 
 def _there_in_part(record: Record) -> list[str]:

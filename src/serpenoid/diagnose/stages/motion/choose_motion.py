@@ -155,8 +155,7 @@ def choose_on_tracks(
     barred = not_looked_for(baseline, untestable)
     place = Elsewhere() if law.words or law.misses < amid_edges.misses else amid_edges
     stage = beside_earlier(or_instead(found.stage, instead(chosen, first)), baseline)
-    stage = replace(stage, untestable=barred, laws=law.rivals, law_taken=law.words)
-    stage = replace(stage, drag_at=place.words)
+    stage = replace(stage, untestable=barred, laws=law.rivals, law_taken=law.words, drag_at=place.words)
     swaps = tuple(s for s in found.swaps if s.rival in stage.rivals)
     return replace(found, stage=stage, swaps=swaps, baseline=baseline, elsewhere=place.model)
 
