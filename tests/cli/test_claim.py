@@ -35,9 +35,36 @@ def test_another_question_is_refused_and_nothing_is_touched(tmp_path: Path, caps
     before = {p.name: p.read_bytes() for p in out.iterdir()}
     assert simulated(out, "--set", "gait.a=4") == 2
     said = capsys.readouterr().err
-    assert f"--out {out}: holds the answer of another `simulate`" in said
+    assert f"--out {out}: holds the answer of another `simulate` (there no --set; here --set gait.a=4)." in said
     assert "earlier-1 by --force" in said
     assert {p.name: p.read_bytes() for p in out.iterdir()} == before
+
+
+def test_more_starts_are_told_from_fewer_and_with_force_solve_only_what_is_new(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    problem = str(Path(REFERENCE).with_name("reference-optimum.toml"))
+    words = ["solve", problem, "--set", "task.steps=20", "--no-figures", "--quiet", "--out", str(tmp_path), "--starts"]
+    assert main([*words, "1"]) in (0, 1)  # the mesh is coarse
+    capsys.readouterr()
+    assert main([*words, "2"]) == 2
+    said = capsys.readouterr().err
+    assert "holds the answer of another `solve` (there --starts 1; here --starts 2)" in said
+    assert "by --force; what is solved there stays" in said
+    assert main([*words, "2", "--force"]) in (0, 1)
+    found = json.loads((tmp_path / "solution.json").read_text())["multi_start"]
+    assert (found["starts"], found["kept_from_an_earlier_run"]) == (2, 1)
+    assert (tmp_path / "earlier-1" / "solution.json").exists()
+
+
+def test_a_file_that_was_changed_is_told_from_other_words(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mine, out = tmp_path / "mine.toml", tmp_path / "out"
+    words = ["simulate", str(mine), "--no-figures", "--quiet", "--out", str(out)]
+    mine.write_text(Path(REFERENCE).read_text())
+    assert main(words) == 0
+    mine.write_text(Path(REFERENCE).read_text().replace("steps = ", "steps = 1", 1))
+    assert main(words) == 2
+    assert "another `simulate` (of the same words: what they read has changed since)" in capsys.readouterr().err
 
 
 def test_each_question_of_a_diagnosis_has_a_folder_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,8 +1,8 @@
 """One folder, one answer: who asks something else of a results folder is refused, or has what is there moved aside.
 
-What was asked stands in request.json: the verb, and a hash of all that its answer depends on; until the command has
-ended also that it has not. The same command again goes on or writes the same answer again; another one needs another
---out, or --force.
+What was asked stands in request.json: the verb, a hash of all that its answer depends on, and the arguments in words;
+until the command has ended also that it has not. The same command again goes on or writes the same answer again;
+another one needs another --out, or --force.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from serpenoid.cli.asked import INPUTS, asked, difference
 from serpenoid.errors import InputError
 from serpenoid.files.alone import LOCK, alone
 from serpenoid.files.inputs import RECORDING_BYTES, read_bytes, read_json
@@ -23,7 +24,8 @@ from serpenoid.files.writing import EARLIER, atomic, clear_unfinished, short_has
 
 REQUEST = "request.json"
 AT_WORK = "unfinished"  # its key until the command has ended
-INPUTS = "problem", "problems", "model", "campaign", "reference", "protocol", "diagnosis"  # arguments that are read
+CHAIN = "chain"  # what folders of solved points begin with (optimise/chain_store)
+ASKED = "arguments"  # its key of what the command was given
 TABLES = "joint_table.csv", "trajectory.csv"  # that somebody may have made by hand, and play from where they are
 # what tells a folder of results from any other
 RECORDS = ("solution.json", "set.json", "sweep.json", "campaign.json", "fit.json", "compare.json", "diagnosis.json",
@@ -37,14 +39,14 @@ def claim(args: argparse.Namespace, folder: Path, *key: Any) -> Path:
     is refused to others.
     """
     _hold(args, folder)
-    request = {"verb": args.verb, "request": short_hash(*key)}
+    request = {"verb": args.verb, "request": short_hash(*key), ASKED: asked(args)}
     held = [name for name in RECORDS if (folder / name).exists()]
-    if held and _asked(_held(folder)) != request and not _is_begun_only(folder):
+    if held and _question(_held(folder)) != _question(request) and not _is_begun_only(folder):
         _refuse_inputs(args, folder, held)
         if not getattr(args, "force", False):
             raise InputError(
-                f"--out {folder}: holds {_words(folder, held)}. Name another folder, or move that answer to "
-                f"{_aside(folder)} by --force."
+                f"--out {folder}: holds {_words(folder, held, request)}. Name another folder, or move that answer to "
+                f"{_aside(folder)} by --force{_kept(args, folder)}."
             )
         move_aside(folder)
     others = [] if held else [name for name in TABLES if (folder / name).exists()]
@@ -112,9 +114,14 @@ def leave_word(args: argparse.Namespace) -> None:
 
 def stopped_verb(folder: Path) -> str:
     """Which verb it was that left its word here, in the words of a sentence's beginning."""
+    verb = _verb(folder)
+    return "the command" if verb is None else f"`{verb}`"
+
+
+def _verb(folder: Path) -> str | None:
     request = _held(folder)
     verb = request.get("verb") if isinstance(request, dict) else None
-    return f"`{verb}`" if isinstance(verb, str) else "the command"
+    return verb if isinstance(verb, str) else None
 
 
 def _is_begun_only(folder: Path) -> bool:
@@ -156,16 +163,26 @@ def _held(folder: Path) -> Any:
         return None
 
 
-def _asked(request: Any) -> Any:
-    return {k: v for k, v in request.items() if k != AT_WORK} if isinstance(request, dict) else request
+def _question(request: Any) -> Any:
+    told = AT_WORK, ASKED
+    return {k: v for k, v in request.items() if k not in told} if isinstance(request, dict) else request
 
 
-def _words(folder: Path, held: list[str]) -> str:
-    request = _held(folder)
-    verb = request.get("verb") if isinstance(request, dict) else None
-    if held == [REQUEST] and isinstance(verb, str):
-        return f"what another `{verb}` left that was ended before its answer was whole"
-    return f"the answer of another `{verb}`" if isinstance(verb, str) else f"another answer ({held[0]})"
+def _words(folder: Path, held: list[str], request: dict[str, Any]) -> str:
+    verb = _verb(folder)
+    if verb is None:
+        return f"another answer ({held[0]})"
+    other = difference(_held(folder).get(ASKED), request[ASKED]) if verb == request["verb"] else ""
+    if held == [REQUEST]:
+        return f"what another `{verb}` left that was ended before its answer was whole{other}"
+    return f"the answer of another `{verb}`{other}"
+
+
+def _kept(args: argparse.Namespace, folder: Path) -> str:
+    """What --force leaves where it is, for the next answer of the same verb."""
+    if _verb(folder) != args.verb or not any(folder.glob(f"{CHAIN}*/*.npz")):
+        return ""
+    return "; what is solved there stays, and is not solved again where this command asks for it, too"
 
 
 def _aside(folder: Path) -> Path:
@@ -185,7 +202,7 @@ def move_aside(folder: Path, found: Sequence[Path] | None = None) -> None:
     A sweep's solved points stay: each is checked against the problem when it is taken up.
     """
     if found is None:
-        found = [path for path in folder.iterdir() if not path.name.startswith((EARLIER, "chain", LOCK))]
+        found = [path for path in folder.iterdir() if not path.name.startswith((EARLIER, CHAIN, LOCK))]
     place = _aside(folder)
     place.mkdir()
     for path in found:
