@@ -38,17 +38,12 @@ USE = """What a diagnosis is worth: the optimal gaits before and after its exten
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `arena`."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
-    plain = argparse.RawDescriptionHelpFormatter
-    played = actions.add_parser(
-        "run", help="play a protocol and write a campaign", description=RUN, formatter_class=plain
-    )
+    played = actions.add_parser("run", help="play a protocol and write a campaign", description=RUN)
     played.add_argument("protocol", metavar="PROTOCOL.toml", type=Path, help="what is played, on which robot and floor")
     played.add_argument("--out", metavar="FOLDER", type=Path, help="campaign folder (default: results/<protocol>)")
     played.add_argument("--truth", metavar="FOLDER", type=Path, help="also write the noise-free motion, elsewhere")
     played.add_argument("--force", action="store_true", help="move what else is in the folder aside")
-    used = actions.add_parser(
-        "use", help="play a diagnosis' optimal gaits, before and after", description=USE, formatter_class=plain
-    )
+    used = actions.add_parser("use", help="play a diagnosis' optimal gaits, before and after", description=USE)
     used.add_argument("diagnosis", metavar="DIAGNOSIS", type=Path, help="folder that `diagnose` wrote")
     used.add_argument("protocol", metavar="PROTOCOL.toml", type=Path, help="robot and floor to play them on")
     used.add_argument("--problem", metavar="FILE", type=Path, help="whose gaits (default: the snake robot's)")

@@ -11,9 +11,9 @@
     serpenoid new campaign my-worm --film worm-1.csv --format sleap --frames-per-second 30
     serpenoid campaign add my-worm worm-2.csv                   # of an animal there is no log
 
-`add` copies what was played and the cameras' file into the campaign and appends a [[trial]] section; a trial with
-the joint table of an earlier one becomes its repeat. Nothing is changed where a file cannot be
-read, or is not what the campaign says of its markers and columns.
+`add` copies what was played and the cameras' file into the campaign and appends a [[trial]] section; a trial with the
+joint table of an earlier one becomes its repeat. Nothing is changed where a file cannot be read, or is not what the
+campaign says of its markers and columns.
 """
 
 from __future__ import annotations
@@ -22,16 +22,13 @@ import argparse
 import shlex
 from pathlib import Path
 
-from serpenoid.cli import options
+from serpenoid.cli import campaigns, options
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `campaign`."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
-    plain = argparse.RawDescriptionHelpFormatter
-    add = actions.add_parser(
-        "add", help="a log of `play` and a motion file, or an animal's film", description=__doc__, formatter_class=plain
-    )
+    add = actions.add_parser("add", help="a log of `play` and a motion file, or an animal's film", description=__doc__)
     add.add_argument("campaign", type=Path, metavar="CAMPAIGN", help="campaign folder")
     log_help = (
         "folder that `serpenoid play --log` wrote, or the joint table (or its folder) that another controller played; "
@@ -42,7 +39,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add.add_argument(
         "--gait", metavar="LABEL", help="default: that of a trial with the same joint table, else the name"
     )
-    add.add_argument("--format", metavar="FORMAT", help="of this motion file, if not the campaign's")
+    format_help = f"of this motion file, if not the campaign's: {campaigns.formats()}"
+    add.add_argument("--format", metavar="FORMAT", help=format_help)
     add.add_argument("--individual", metavar="NAME", help="whose points, where the film shows several animals")
     add.add_argument("--from", dest="from_s", type=float, metavar="S", help="use the motion file from here")
     add.add_argument("--to", dest="to_s", type=float, metavar="S", help="... to here")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,20 @@ if TYPE_CHECKING:
     from serpenoid.measure.load import Campaign
 
 
+HELP_WIDTH = 120  # columns of the text that says what a verb does
 KEPT = "What was read and computed is kept: the same command goes on from there."
+
+
+def formats_line() -> str:
+    """Every format of motion files that is read, for the end of a verb's help."""
+    return textwrap.fill(f"Formats of motion files (`format` in [motion]): {formats()}.", HELP_WIDTH)
+
+
+def formats() -> str:
+    """Their names, from the list of readers."""
+    from serpenoid.measure.formats.readers import NAMES
+
+    return ", ".join(NAMES)
 
 
 def add_campaign(parser: argparse.ArgumentParser) -> None:

@@ -15,8 +15,8 @@ verdict           nothing left      something left
 
 The answer: verdict; causes with strength, value, interval and what to do; how well held-out gaits are predicted; what
 is left; the next experiment; then details. Of long lists the first are printed, diagnosis.json has all.
-An effect's strength is its trace over the noise level. Where noise makes as much, or the value's
-interval holds what changes nothing, it is below detection: not named.
+An effect's strength is its trace over the noise level. Where noise makes as much, or the value's interval holds what
+changes nothing, it is below detection: not named.
 `or instead` are effects that the data cannot tell from the one above; `next-experiment.csv` is the gait that would.
 The extended model holds what is named. If anything is named on any stage, it also holds unnamed effects (below
 detection, or the first one refused) where gaits that were not fitted are predicted better with them.
@@ -25,8 +25,8 @@ With a reference, that campaign is diagnosed first; what the model gets wrong th
 If something acts in some of the trials alone (a screw that came loose on the way), these are diagnosed by themselves,
 too: their answer follows, and is in changed-trials/. List trials in the order in which they were played.
 
-Writes report.html (begin there; it needs no other file), diagnosis.json, baseline-model.toml and
-extended-model.toml, figures as PNG and SVG.
+Writes report.html (begin there; it needs no other file), diagnosis.json, baseline-model.toml and extended-model.toml,
+figures as PNG and SVG.
 Exit code 0 whatever the verdict, 2 where the campaign or the model cannot be read; of several campaigns 1 where one
 of them could not be diagnosed.
 """

@@ -9,8 +9,9 @@ trials together. Answers to "how sure?": camera noise alone; robust to errors th
 by the spread of trials, where they differ by more than chance. K has the widest of them. Simulations use the *measured*
 shapes on the recording's own frames. A fitted eps holds for one kind of dissipation element only. Writes fit.json and
 figures. What data do not determine has an interval and no value (null in fit.json).
-Exit code 1: so for a number that was asked for, or a fit did not converge, or ran into a bound where the model does
-not follow the data.
+
+Exit code 1: data do not determine a number that was asked for, or a fit did not converge, or ran into a bound where the
+model does not follow the data.
 """
 
 from __future__ import annotations

@@ -13,10 +13,11 @@ import io
 import os
 import re
 import sys
+import textwrap
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import serpenoid
 from serpenoid import interrupts
@@ -49,11 +50,27 @@ VERBS: dict[str, str] = {
 }
 
 ANEW = "The same command begins anew."  # of one that keeps nothing before its answer
+NARROW = 78  # columns of a line that every terminal shows whole
 EPILOG = "Every verb explains itself: serpenoid VERB --help."
 
 
+class _Help(argparse.RawDescriptionHelpFormatter):
+    """Paragraphs stand as they are written, and no line ends within a word, an option or a path."""
+
+    def _split_lines(self, text: str, width: int) -> list[str]:
+        return textwrap.wrap(" ".join(text.split()), width, break_long_words=False, break_on_hyphens=False)
+
+    def add_argument(self, action: argparse.Action) -> None:
+        super().add_argument(action)
+        if isinstance(action, argparse._SubParsersAction):  # verbs stand farther in, which argparse leaves out of count
+            self._action_max_length += self._indent_increment
+
+
 class _Parser(argparse.ArgumentParser):
-    """Says what to write where a value looks like an option."""
+    """Says what to write where a value looks like an option; parsers of verbs and their actions are of its kind."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__(**{"formatter_class": _Help} | given)
 
     def error(self, message: str) -> NoReturn:
         option = re.match(r"argument (--[\w-]+)\S*: expected one argument", message)
@@ -63,12 +80,11 @@ class _Parser(argparse.ArgumentParser):
 
 def build_parser(*complete: str | None) -> argparse.ArgumentParser:
     """The parser; only the modules of the named verbs are imported, so `--help` stays quick."""
-    parser = _Parser(prog="serpenoid", description=serpenoid.__doc__, epilog=EPILOG)
+    parser = _Parser(prog="serpenoid", description=textwrap.fill(str(serpenoid.__doc__), NARROW), epilog=EPILOG)
     parser.add_argument("--version", action="version", version=f"serpenoid {serpenoid.__version__}")
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
     for name, help_line in VERBS.items():
-        formatter = argparse.RawDescriptionHelpFormatter
-        sub = verbs.add_parser(name, help=help_line, description=help_line, formatter_class=formatter)
+        sub = verbs.add_parser(name, help=help_line, description=help_line)
         if name in complete:
             module = importlib.import_module(f"serpenoid.cli.{name}")
             sub.description = module.__doc__

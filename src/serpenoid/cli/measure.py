@@ -3,11 +3,11 @@
     serpenoid measure recordings/2024-09-foam
     serpenoid measure problems/campaigns/lamprey.toml --json
 
-A campaign is a folder with campaign.toml and, per trial, a motion file (Motive CSV, C3D, SLEAP, plain CSV), a servo log
-and a power log; any of them may be missing (docs/campaign-format.md). A broken file is named with row and column, and
-nothing is half-read. Writes campaign.json, of an animal its mean beat as a problem file, and a picture of every trial:
-markers on the floor, what was hidden when, commanded against measured joint angles. Position jumps are reported, not
-smoothed away.
+A campaign is a folder with campaign.toml and, per trial, a motion file (in a format that is listed below), a servo
+log and a power log; any of them may be missing (docs/campaign-format.md). A broken file is named with row and column,
+and nothing is half-read. Writes campaign.json, of an animal its mean beat as a problem file, and a picture of every
+trial: markers on the floor, what was hidden when, commanded against measured joint angles. Position jumps are reported,
+not smoothed away.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ MOST_TOLD = 10  # gaps and jumps of a trial
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `measure`."""
+    parser.epilog = campaigns.formats_line()
     campaigns.add_campaign(parser)
     options.add_output(parser, "results/<campaign>/measure-<hash>")
 

@@ -36,26 +36,30 @@ far is the body from the gait's first row.
   serpenoid robot check RESULTS --robot problems/robots/snake10-robot.toml --port auto
 """
 
+SCAN = "Say which servos answer, at which baud rate; nothing moves."
+OFF = "Switch off the torque of every servo of a robot file, whatever was going on."
+REBOOT = "Clear the hardware errors of every servo of a robot file, after their cause is gone."
+POWER = "Record the INA260 stream of a board as power.csv, without playing."
+
 
 def configure(actions: Any) -> None:
-    scan = actions.add_parser("scan", help="which servos answer, at which baud rate")
+    rates = ", ".join(map(str, SCAN_RATES))
+    scan = actions.add_parser("scan", help="which servos answer, at which baud rate", description=SCAN)
     scan.add_argument("--port", default="auto", metavar="PORT", help="serial port (default auto)")
-    scan.add_argument("--baud-rate", type=int, metavar="B", help=f"try this rate alone (default {SCAN_RATES})")
+    scan.add_argument("--baud-rate", type=int, metavar="B", help=f"try this rate alone (default: {rates})")
     scan.set_defaults(do=_scan)
-    check = actions.add_parser(
-        "check",
-        help="would this gait be refused, and why",
-        description=CHECK,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    check = actions.add_parser("check", help="would this gait be refused, and why", description=CHECK)
     add_table(check)
     add_robot(check, port="")
     check.set_defaults(do=_check)
-    for name, do, text in (("off", _off, "torque off on every servo"), ("reboot", _reboot, "clear hardware errors")):
-        action = actions.add_parser(name, help=text)
+    for name, do, text, about in (
+        ("off", _off, "torque off on every servo", OFF),
+        ("reboot", _reboot, "clear hardware errors", REBOOT),
+    ):
+        action = actions.add_parser(name, help=text, description=about)
         add_robot(action, port="auto")
         action.set_defaults(do=do)
-    power = actions.add_parser("power", help="record an INA260 stream: power.csv")
+    power = actions.add_parser("power", help="record an INA260 stream: power.csv", description=POWER)
     power.add_argument("--port", required=True, metavar="PORT", help="serial port of the streaming board")
     power.add_argument("--log", "--out", required=True, type=Path, metavar="DIR", help="folder for power.csv")
     power.add_argument("--seconds", type=float, default=float("inf"), metavar="S", help="default: until Ctrl-C")

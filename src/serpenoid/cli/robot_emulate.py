@@ -49,7 +49,6 @@ def configure(actions: Any) -> None:
         help="emulated servos on a port of their own",
         description=__doc__,
         epilog=f"fault kinds:\n{faults}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--robot", type=Path, metavar="FILE", help="IDs, models, baud rate and zeros of this file")
     parser.add_argument("--model", choices=models(), metavar="NAME", help=_models_in_words())
