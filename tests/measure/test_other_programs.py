@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -322,6 +323,22 @@ def test_advice_names_the_columns_of_a_file(header, columns):
     found = re.search(r"`columns = {(.*?)}`", said)
     assert found is not None
     assert found[1].strip() == columns
+
+
+@pytest.mark.parametrize("named", [{}, {"columns": {"time": "t_s", "x": "x_*", "y": "y_*"}}])
+def test_one_point_whose_columns_are_there_twice_is_told_with_columns_that_can_be_read(tmp_path, named):
+    order = [0, 1, 2, 3, 4, 5, 0]
+    values = np.column_stack([TIME, POINTS[:, order].reshape(FRAMES, -1)])
+    header = ["t_s", *(f"{axis}_{k}" for k in order for axis in "xy")]
+    lines = [",".join(map(repr, row)) for row in values.tolist()]
+    (tmp_path / "m.csv").write_text("\n".join([",".join(header), *lines]) + "\n")
+    said = refusal(tmp_path / "m.csv", "tidy", **named)
+    assert "`x_0` is the name of columns B and N. Take out what is not meant" in said
+    proposed = re.search(r"`columns = ({.*?})`", said)
+    assert proposed is not None
+    columns = tomllib.loads(f"columns = {proposed[1]}")["columns"]
+    assert columns["x"] == ["x_0 1", "x_1", "x_2", "x_3", "x_4", "x_5"]
+    np.testing.assert_allclose(read(tmp_path / "m.csv", "tidy", columns=columns).floor, POINTS, atol=1e-12)
 
 
 def test_a_film_whose_names_say_that_an_end_stands_between_others_makes_no_campaign(tmp_path, capsys):

@@ -44,6 +44,13 @@ def names_of(rows: Rows, at: int) -> list[str]:
     return names
 
 
+def same_names(rows: Rows, at: int) -> dict[str, list[int]]:
+    """The columns of every name that a row has more than once, where `names_of` tells them apart by their number."""
+    own, names = [cell.strip() for cell in rows[at]], names_of(rows, at)
+    numbered = [name for name, count in Counter(own).items() if count > 1 and f"{name} 1" in names]
+    return {name: [c for c, cell in enumerate(own) if cell == name] for name in numbered}
+
+
 def _groups(row: Sequence[str], width: int) -> list[str]:
     """The word over each of so many columns, if it stands over several, at the first or at each; else none."""
     words = [cell.strip() for cell in row[:width]] + [""] * (width - len(row))

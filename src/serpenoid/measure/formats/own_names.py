@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
+from serpenoid.measure.cells import column_letter, listed
 from serpenoid.measure.formats.matlab import OF_IDTRACKER
 
 OWN_NAMES = (
@@ -48,6 +49,37 @@ def advice(header: list[str]) -> str:
     return _wide(header, *form, order, [cell for pair in pairs for cell in pair])
 
 
+def doubled(header: Sequence[str], same: Mapping[str, Sequence[int]]) -> str:
+    """What to do where one numbered point of several has its columns twice; empty where none has.
+
+    same: the columns of names that the file has more than once.
+    """
+    bare = [next((name for name, places in same.items() if c in places), own) for c, own in enumerate(header)]
+    across = [name for name in dict.fromkeys(bare) if _partner(name, bare)]
+    forms = Counter(form for name in across for form in _numbered(name, str(_partner(name, bare))))
+    form = max(forms, key=lambda f: forms[f], default=None)
+    if form is None or forms[form] < 2:
+        return ""
+    points = sorted((name for name in across if form in _numbered(name, str(_partner(name, bare)))), key=_number)
+    pairs = [points, [str(_partner(name, bare)) for name in points]]
+    twice = [name for name in pairs[0] + pairs[1] if name in same]
+    if not twice or len(twice) == 2 * len(points):  # in a table that is there twice `*` can stand for the numbers
+        return ""
+    x, y = (", ".join(f'"{name} 1"' if name in same else f'"{name}"' for name in names) for names in pairs)
+    columns = listed(map(column_letter, same[twice[0]]))
+    clock = _clock(header, [name for name, own in zip(header, bare, strict=True) if own in pairs[0] + pairs[1]])
+    time = "" if clock is None else f'{"frame" if FRAME.search(clock) else "time"} = "{clock}", '
+    return (
+        f"`{twice[0]}` is the name of columns {columns}. Take out what is not meant, or list what is, tail first: "
+        f"`columns = {{ {time}x = [{x}], y = [{y}] }}` in [motion], where `{twice[0]} 1` is column "
+        f"{column_letter(same[twice[0]][0])}."
+    )
+
+
+def _number(name: str) -> list[int]:
+    return [int(found) for found in DIGITS.findall(name)]
+
+
 def _partner(name: str, header: Sequence[str]) -> str | None:
     """The column of y that belongs to one of x: of the same name but for this letter, where no other touches it."""
     for place in (m.start() for m in re.finditer(r"(?<![^\W\d_])[xX](?![^\W\d_])", name)):
@@ -74,10 +106,15 @@ def _worded(across: str, up: str) -> tuple[str, str]:
     return f"*{mark}{across[place:]}", f"*{mark}{up[place:]}"
 
 
+def _clock(header: Sequence[str], points: Sequence[str]) -> str | None:
+    """The column of times or frames, beside those of points."""
+    clock = next((name for name in header if name not in points and (CLOCK.search(name) or FRAME.search(name))), None)
+    return header[0] if clock is None and header[0] not in points else clock
+
+
 def _wide(header: Sequence[str], x: str, y: str, order: str, points: Sequence[str]) -> str:
     several = OF_SEVERAL if {x.casefold(), y.casefold()} == {"x*", "y*"} else ""
-    clock = next((name for name in header if name not in points and (CLOCK.search(name) or FRAME.search(name))), None)
-    clock = header[0] if clock is None and header[0] not in points else clock
+    clock = _clock(header, points)
     if clock is None:
         return (
             f'Own names: `columns = {{ x = "{x}", y = "{y}" }}` and `frames_per_second` in [motion], as the file '

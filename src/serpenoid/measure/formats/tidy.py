@@ -34,8 +34,16 @@ from serpenoid.measure.formats.columns import (
     refuse_other_unit,
     shown,
 )
-from serpenoid.measure.formats.header import first_row, header_row, likely_header, names_of, refuse_nameless, width_of
-from serpenoid.measure.formats.own_names import FIRST_CELLS, advice
+from serpenoid.measure.formats.header import (
+    first_row,
+    header_row,
+    likely_header,
+    names_of,
+    refuse_nameless,
+    same_names,
+    width_of,
+)
+from serpenoid.measure.formats.own_names import FIRST_CELLS, advice, doubled
 from serpenoid.measure.tracks import METRES, Tracks, in_places, no_time, upright
 
 OF_FRAME = re.compile(r".*[^\W\d_].*\([0-9]+\)")  # `head_x(0)`
@@ -66,7 +74,7 @@ def read_tidy(
     header = names_of(rows, at)
     refuse_nameless(rows[at], path)
     clock, points, stems = (
-        (0, _tidy_points(header, path, at), ()) if columns is None else _own_places(header, columns, path)
+        (0, _tidy_points(rows, at, path), ()) if columns is None else _own_places(rows, at, columns, path)
     )
     counts = header[0] == "frame" if columns is None else columns.time is None
     if counts and not frames_per_second:
@@ -126,14 +134,16 @@ def _stems(across: list[str], up: list[str]) -> tuple[str, ...]:
     return stems if all(stems) and len(set(stems)) == len(stems) else tuple(across)
 
 
-def _tidy_points(header: list[str], path: Path, row: int) -> list[int]:
+def _tidy_points(rows: Rows, row: int, path: Path) -> list[int]:
     """Columns of x_0, y_0, x_1, ..., which stand behind the clock's."""
+    header = names_of(rows, row)
     count = (len(header) - 1) // 2
     expected = ["frame" if header[0] == "frame" else "t_s"] + [f"{axis}_{k}" for k in range(count) for axis in "xy"]
     for column, (got, want) in enumerate(zip(header, expected, strict=False)):
         if _without_unit(got) != want:
             there = f"a tidy file has `{want}` here, got {got[:LONGEST_SHOWN]!r}"
-            raise InputError(f"{place(path, row, column)}: {there}. {advice(header)}")
+            cure = doubled(header, same_names(rows, row)) or advice(header)
+            raise InputError(f"{place(path, row, column)}: {there}. {cure}")
     if count < 1 or len(header) != len(expected):
         raise InputError(
             f"{path}: row {row + 1}: a tidy file has `t_s,x_0,y_0,...` in pairs, got {len(header)} columns. Where "
@@ -150,13 +160,19 @@ def _without_unit(name: str) -> str:
     return IN_BRACKETS.sub("", name).strip() if known else name
 
 
-def _own_places(header: list[str], columns: MotionColumns, path: Path) -> tuple[int | None, list[int], tuple[str, ...]]:
+def _own_places(
+    rows: Rows, row: int, columns: MotionColumns, path: Path
+) -> tuple[int | None, list[int], tuple[str, ...]]:
     """Column of the clock, if one is named; those of x of vertex 0, y of vertex 0, x of vertex 1, ...; what stands in
     place of `*` in their names, if that is no number."""
+    header, same = names_of(rows, row), same_names(rows, row)
     if columns.x is None or columns.y is None:
         raise InputError(
             f"{path}: `columns` needs `x` and `y` for a tidy file, and `time` or `frame` where it has one."
         )
+    stars = ["[0-9]+".join(map(re.escape, name.split("*"))) for name in (columns.x, columns.y) if isinstance(name, str)]
+    if any(re.fullmatch(form, name) for form in stars for name in same) and (cure := doubled(header, same)):
+        raise InputError(f"{path}: row {row + 1}: {cure}")
     pairs = [numbered(header, named, axis, path) for axis, named in (("x", columns.x), ("y", columns.y))]
     stems: tuple[str, ...] = ()
     if not pairs[0] and not pairs[1]:
