@@ -18,6 +18,7 @@ from serpenoid.diagnose.data.windows.tracks import make_tracks
 from serpenoid.diagnose.data.windows.windows import Track
 from serpenoid.diagnose.report.before import since
 from serpenoid.diagnose.since_reference import apart
+from serpenoid.diagnose.stages.ladder import Error, Step
 from serpenoid.diagnose.start import baseline
 from serpenoid.group import compose
 
@@ -123,3 +124,17 @@ def test_the_figure_shows_every_joint_and_setting(tracks: tuple[Track, ...]) -> 
     lone = apart(once(tracks), once(tracks))
     assert lone is not None
     assert not since_reference_figure(lone).axes[1].collections  # nothing was played twice
+
+
+def test_differences_below_the_noise_level_do_not_fill_the_figure(tracks: tuple[Track, ...]) -> None:
+    from serpenoid.plot.since_reference import since_reference_figure
+
+    found = apart(tracks, tracks)
+    assert found is not None
+    levels = {"actuation": 10 * max(found["joints_rad"]), "motion": 10 * found["path_m"]}
+    ladder = [Step("", Error(name, "rad", 0.0, 0.0, level), ()) for name, level in levels.items()]
+    joints, paths = since_reference_figure(found, ladder).axes
+    assert joints.get_ylim()[1] > np.rad2deg(levels["actuation"])
+    assert paths.get_xlim()[1] > 1e3 * levels["motion"]
+    plain = since_reference_figure(found).axes[0]
+    assert plain.get_ylim()[1] < 0.2 * joints.get_ylim()[1]

@@ -70,7 +70,7 @@ def draw_rest(folder: Path, d: Diagnosis) -> list[str]:
     jobs: Jobs = {"paths": lambda: paths_figure(d), "ladder": lambda: diagnosis_ladder.ladder_figure(d.ladder)}
     since = since_reference(d)
     if since is not None and since["joints_rad"]:
-        jobs["since-reference"] = lambda: since_reference_figure(since)
+        jobs["since-reference"] = lambda: since_reference_figure(since, d.ladder)
     return _draw(folder, jobs)
 
 
