@@ -327,3 +327,41 @@ def test_the_cost_of_transport_of_a_straight_gait_does_not_depend_on_the_cycles_
         assert main([*words, *power]) == 0
         found.append(json.loads(capsys.readouterr().out)["cost_of_transport"])
     assert found[1] == pytest.approx(found[0], rel=1e-9)  # sigma = 1 turns nowhere, so displacements add up
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["simulate", REFERENCE, "--out"],
+        ["solve", REFERENCE, "--out"],
+        ["sweep", REFERENCE, "--out"],
+        ["measure", ".", "--out"],
+        ["fit", ".", "--out"],
+        ["compare", ".", "--out"],
+        ["diagnose", ".", "--out"],
+        ["reproduce", "--out"],
+        ["table", ".", "--out"],
+        ["export", ".", "--format", "csv", "--out"],
+        ["play", ".", "--robot", "robot.toml", "--log"],
+        ["robot", "power", "--port", "here", "--out"],
+        ["robot", "emulate", "--report"],
+        ["arena", "run", "protocol.toml", "--out"],
+        ["arena", "use", ".", "protocol.toml", "--out"],
+        ["new", "problem", "--out"],
+        ["schema", "--write"],
+        ["simulate", REFERENCE, "--log-file"],
+    ],
+    ids=lambda words: " ".join(w for w in words if w[0] not in "./"),
+)
+def test_a_place_to_write_that_is_empty_is_refused(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As `--out "$OUT"` where OUT is not set: the answer would be elsewhere than the next command looks for it."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as ended:
+        main([*words, ""])
+    assert ended.value.code == 2
+    said = capsys.readouterr().err
+    assert words[-1] in said
+    assert "names nothing. Name where to write" in said
+    assert not list(tmp_path.iterdir())

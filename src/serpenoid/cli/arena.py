@@ -17,6 +17,7 @@ from pathlib import Path
 from serpenoid.cli import options
 from serpenoid.cli.claim import claim, content_of, move_aside, sign
 from serpenoid.cli.log import log, settle
+from serpenoid.cli.target import target
 from serpenoid.wording import counted
 
 RUN = """Play every trial of a protocol in the virtual laboratory and write them as a campaign folder.
@@ -40,8 +41,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     played = actions.add_parser("run", help="play a protocol and write a campaign", description=RUN)
     played.add_argument("protocol", metavar="PROTOCOL.toml", type=Path, help="what is played, on which robot and floor")
-    played.add_argument("--out", metavar="FOLDER", type=Path, help="campaign folder (default: results/<protocol>)")
-    played.add_argument("--truth", metavar="FOLDER", type=Path, help="also write the noise-free motion, elsewhere")
+    played.add_argument("--out", metavar="FOLDER", type=target, help="campaign folder (default: results/<protocol>)")
+    played.add_argument("--truth", metavar="FOLDER", type=target, help="also write the noise-free motion, elsewhere")
     played.add_argument("--force", action="store_true", help="move what else is in the folder aside")
     used = actions.add_parser("use", help="play a diagnosis' optimal gaits, before and after", description=USE)
     used.add_argument("diagnosis", metavar="DIAGNOSIS", type=Path, help="folder that `diagnose` wrote")
@@ -49,7 +50,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     used.add_argument("--problem", metavar="FILE", type=Path, help="whose gaits (default: the snake robot's)")
     used.add_argument("--trials", type=options.positive, default=6, metavar="N", help="of each gait (default 6)")
     used.add_argument("--cycles", type=options.positive, default=1, metavar="N", help="a trial (default 1)")
-    used.add_argument("--out", metavar="FOLDER", type=Path, help="default: DIAGNOSIS/in-use")
+    used.add_argument("--out", metavar="FOLDER", type=target, help="default: DIAGNOSIS/in-use")
     used.add_argument("--force", action="store_true", help="move another answer in the folder aside")
     for action in (played, used):
         options.add_workers(action, "trials", os.cpu_count() or 1)

@@ -41,6 +41,7 @@ from serpenoid.cli.robot_arguments import (
     told_duration,
     warn,
 )
+from serpenoid.cli.target import target
 from serpenoid.errors import InputError
 from serpenoid.files.writing import write_csv, write_json, write_text
 from serpenoid.robot import ros
@@ -62,7 +63,7 @@ Exporter = Callable[[argparse.Namespace, JointTable, Robot | None, Path], None]
 def configure(parser: argparse.ArgumentParser) -> None:
     add_table(parser)
     parser.add_argument("--format", required=True, choices=list(EXPORTERS), help="see above")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the files, or a file .csv")
+    parser.add_argument("--out", type=target, required=True, metavar="DIR", help="folder for the files, or a file .csv")
     parser.add_argument("--force", action="store_true", help="move other files of their names aside")
     add_robot(parser, required=False)
     _add_angles(parser)

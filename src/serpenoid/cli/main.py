@@ -16,12 +16,12 @@ import sys
 import textwrap
 from collections.abc import Sequence
 from contextlib import ExitStack
-from pathlib import Path
 from typing import Any, NoReturn
 
 import serpenoid
 from serpenoid import interrupts
 from serpenoid.cli import log
+from serpenoid.cli.target import target
 from serpenoid.errors import InputError, StopRequested
 from serpenoid.wording import meant
 
@@ -109,7 +109,7 @@ def _add_logging(parser: argparse.ArgumentParser) -> None:
         "-v", "--verbose", action="store_true", default=argparse.SUPPRESS, help="log what happens inside"
     )
     parser.add_argument(
-        "--log-file", type=Path, metavar="FILE", default=argparse.SUPPRESS, help="the same into a file, with times"
+        "--log-file", type=target, metavar="FILE", default=argparse.SUPPRESS, help="the same into a file, with times"
     )
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):

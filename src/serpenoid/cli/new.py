@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from serpenoid.cli import options
+from serpenoid.cli.target import target
 from serpenoid.errors import InputError
 from serpenoid.files.alone import alone
 from serpenoid.wording import counted
@@ -35,8 +36,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         sub = kinds.add_parser(kind, help=f"a {kind} file", description=f"Write a {kind} file.")
         what = "folder to write into, or the file in it" if kind == "campaign" else "file to write"
         words = f"the {what} (default {template.default_path})"
-        sub.add_argument("path", nargs="?", type=Path, metavar="FILE", help=words)
-        sub.add_argument("--out", type=Path, metavar="FILE", help="the same, as other verbs have it")
+        sub.add_argument("path", nargs="?", type=target, metavar="FILE", help=words)
+        sub.add_argument("--out", type=target, metavar="FILE", help="the same, as other verbs have it")
         for question in template.questions:
             sub.add_argument(f"--{question.name}", metavar=question.name.upper(), help=question.help)
         sub.add_argument("--yes", action="store_true", help="ask nothing: the defaults, where no option answers")

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 from serpenoid.cli.claim import claim
 from serpenoid.cli.log import settle
+from serpenoid.cli.target import target
 
 log = logging.getLogger(__name__)
 SUMMARY = "summary.txt"  # what the command said, in its results folder
@@ -52,7 +53,7 @@ def add_set(parser: argparse.ArgumentParser) -> None:
 def add_output(parser: argparse.ArgumentParser, out: str = "") -> None:
     """--quiet, --json, and for results --out, --no-figures; out: what the folder is without --out."""
     if out:
-        parser.add_argument("--out", metavar="DIR", help=f"results folder (default: {out})")
+        parser.add_argument("--out", type=target, metavar="DIR", help=f"results folder (default: {out})")
         parser.add_argument("--force", action="store_true", help="move another answer in the folder aside")
         parser.add_argument("--no-figures", action="store_true", help="write numbers only")
         add_open(parser)

@@ -32,6 +32,7 @@ from serpenoid.cli.robot_arguments import (
     tell,
     warn,
 )
+from serpenoid.cli.target import target
 from serpenoid.robot.dry_run import describe
 from serpenoid.robot.port import resolve_port
 from serpenoid.robot.session import Outcome, TrialFiles, play_trial
@@ -45,7 +46,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_robot(parser, port="auto")
     parser.add_argument("--cycles", type=int, default=1, metavar="N", help="cycles to play (default 1)")
     parser.add_argument("--pause", type=float, default=0.0, metavar="S", help="rest after each cycle [s] (default 0)")
-    parser.add_argument("--log", "--out", type=Path, metavar="DIR", help="record into this folder, a new one")
+    parser.add_argument("--log", "--out", type=target, metavar="DIR", help="record into this folder, a new one")
     parser.add_argument("--power-port", metavar="PORT", help="serial port of an INA260 stream: power.csv in DIR")
     add_widen(parser)
     parser.add_argument("--dry-run", action="store_true", help="print what would be sent; touch no port")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from serpenoid.cli.robot_arguments import add_robot, add_table, checked_table, cycle_duration, load_robot, warn
+from serpenoid.cli.target import target
 from serpenoid.robot.bus import COLLISION_REMEDY, Bus, open_bus
 from serpenoid.robot.checks import Refusal, check_start, check_table
 from serpenoid.robot.description import Robot
@@ -61,7 +61,7 @@ def configure(actions: Any) -> None:
         action.set_defaults(do=do)
     power = actions.add_parser("power", help="record an INA260 stream: power.csv", description=POWER)
     power.add_argument("--port", required=True, metavar="PORT", help="serial port of the streaming board")
-    power.add_argument("--log", "--out", required=True, type=Path, metavar="DIR", help="folder for power.csv")
+    power.add_argument("--log", "--out", required=True, type=target, metavar="DIR", help="folder for power.csv")
     power.add_argument("--seconds", type=float, default=float("inf"), metavar="S", help="default: until Ctrl-C")
     power.set_defaults(do=_power)
 

@@ -22,6 +22,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from serpenoid.cli.target import target
 from serpenoid.errors import InputError
 from serpenoid.files.alone import LOCK, alone
 from serpenoid.files.schema import load
@@ -54,13 +55,17 @@ def configure(actions: Any) -> None:
     parser.add_argument("--model", choices=models(), metavar="NAME", help=_models_in_words())
     parser.add_argument("--baud-rate", type=int, metavar="B", help="default: the robot file's, else 1000000")
     parser.add_argument("--ids", metavar="N,N", help="other IDs, tail first; twice the same: two servos that collide")
-    parser.add_argument("--link", type=Path, metavar="PATH", help="symbolic link to the port, under a name that stays")
+    parser.add_argument("--link", type=target, metavar="PATH", help="symbolic link to the port, by a name that stays")
     parser.add_argument("--fault", action="append", default=[], metavar="FAULT", help="a fault, see below; repeatable")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the random faults (default 0)")
-    parser.add_argument("--report", type=Path, metavar="FILE", help="write what became of the servos to this JSON file")
+    parser.add_argument(
+        "--report", type=target, metavar="FILE", help="write what became of the servos to this JSON file"
+    )
     parser.add_argument("--arena", action="store_true", help="the servos move the robot of the virtual arena")
     parser.add_argument("--problem", type=Path, metavar="FILE", help="with --arena: whose body (the paper's snake)")
-    parser.add_argument("--motion", type=Path, metavar="FILE", help="with --arena: where it went, as a tidy motion CSV")
+    parser.add_argument(
+        "--motion", type=target, metavar="FILE", help="with --arena: where it went, as a tidy motion CSV"
+    )
     parser.set_defaults(do=run)
 
 

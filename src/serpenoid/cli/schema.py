@@ -13,16 +13,16 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from pathlib import Path
 
 from serpenoid.cli import options
+from serpenoid.cli.target import target
 from serpenoid.scaffold.json_schema import KINDS
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """KIND and --write."""
     parser.add_argument("kind", nargs="?", choices=KINDS, default="problem", metavar="KIND", help=", ".join(KINDS))
-    parser.add_argument("--write", type=Path, metavar="DIR", help="write it into DIR; print the line that names it")
+    parser.add_argument("--write", type=target, metavar="DIR", help="write it into DIR; print the line that names it")
 
 
 def run(args: argparse.Namespace) -> int:

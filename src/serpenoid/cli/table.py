@@ -17,12 +17,13 @@ import argparse
 from pathlib import Path
 
 from serpenoid.cli import options
+from serpenoid.cli.target import target
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of `table`."""
     parser.add_argument("folders", nargs="+", type=Path, metavar="FOLDER", help="results, campaigns, folders of them")
-    parser.add_argument("--out", type=Path, default=Path("runs.csv"), metavar="FILE", help="the table (runs.csv)")
+    parser.add_argument("--out", type=target, default=Path("runs.csv"), metavar="FILE", help="the table (runs.csv)")
     parser.add_argument("--force", action="store_true", help="write over a file that is no such table")
     options.add_output(parser)
 
