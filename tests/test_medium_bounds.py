@@ -18,7 +18,7 @@ from serpenoid.effects.active import ActiveEffect
 from serpenoid.errors import InputError
 from serpenoid.measure.campaign import load_campaign_file
 from serpenoid.measure.load import load_campaign
-from serpenoid.medium import Medium, OpenMedium
+from serpenoid.medium import LEAST, SLIPPERY, Medium, OpenMedium
 from serpenoid.model import Model
 from serpenoid.model_file import read_model_file, write_model_file
 
@@ -44,6 +44,29 @@ def test_a_ratio_above_one_is_taken_for_the_other_way_round_but_within_bounds_th
         sp.load(path, set=["medium.anisotropy_ratio=5"])
     asked = ["medium.anisotropy_ratio=5", "medium.anisotropy_ratio_bounds=[1, 10]"]
     assert sp.load(path, set=asked).medium.anisotropy_ratio == 5.0
+
+
+@pytest.mark.parametrize("ratio", ["0", "1e-300", "-0.2", "101"])
+def test_a_ratio_of_no_medium_is_refused(ratio: str) -> None:
+    with pytest.raises(InputError, match=r"`anisotropy_ratio` must be from 1e-09 to 100, got"):
+        sp.load(ROOT / "problems" / "reference.toml", set=[f"medium.anisotropy_ratio={ratio}"])
+
+
+def test_with_the_least_ratio_a_body_moves_as_without_drag_lengthwise() -> None:
+    """The way from there on is linear in eps, so that ten times as much tells what is left."""
+    path = ROOT / "problems" / "reference.toml"
+    problems = [sp.load(path, set=[f"medium.anisotropy_ratio={ratio}"]) for ratio in (LEAST, 10 * LEAST)]
+    least, more = (sp.simulate(problem).trajectory.displacement for problem in problems)
+    assert abs(more - least) / 9 < 1e-8
+
+
+def test_a_ratio_with_which_searches_hardly_end_is_asked_about_but_not_where_bounds_hold_it() -> None:
+    path = ROOT / "problems" / "reference.toml"
+    (said,) = sp.load(path, set=["medium.anisotropy_ratio=1e-5"]).odd_units
+    assert said.startswith("with `anisotropy_ratio` = 1e-05 drag sideways is 1e+05 times that lengthwise")
+    meant = ["medium.anisotropy_ratio=1e-5", "medium.anisotropy_ratio_bounds=[1e-6, 1.0]"]
+    assert not sp.load(path, set=meant).odd_units
+    assert not sp.load(path, set=[f"medium.anisotropy_ratio={SLIPPERY}"]).odd_units
 
 
 def test_cases_of_a_robust_gait_stay_within_the_bounds_of_the_medium() -> None:

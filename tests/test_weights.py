@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,8 @@ from serpenoid.errors import InputError
 from serpenoid.mechanics import functions
 from serpenoid.medium import Medium
 from serpenoid.model import Model
+from serpenoid.problem import load
+from serpenoid.simulation.problem import simulate
 from specimens import uneven
 
 UNEQUAL = (0.1, 0.3, 0.2, 0.4)
@@ -78,3 +82,25 @@ def test_weights_next_to_nothing_are_halved_and_edges_next_to_nothing_refused() 
     Body(vertices=4, edge_lengths=(1e-9, 1e-9, 1e3)).uniform()
     with pytest.raises(InputError, match="1e-09 m is too short to have a middle: give lengths in metres"):
         Body(vertices=4, edge_lengths=(0.1, 1e-9, 0.1)).with_middles()
+
+
+@pytest.mark.parametrize("site", ["vertex", "edge"])
+def test_a_vertex_that_holds_the_body_is_asked_about(site: str) -> None:
+    weights = [1.0] * 12
+    medium = Medium(anisotropy_ratio=0.2, dissipation=site)
+    weights[4] = 1e6
+    said = Model(Body(vertices=12, weights=tuple(weights)), medium).odd_weight
+    if site == "edge":  # its weight is halved between two edges, and neither holds the body against the other
+        assert said is None
+    else:
+        assert said is not None
+        assert said.startswith("by `weights` vertex 4 has 9.1e+04 times the drag of all others together")
+    assert Model(Body(vertices=12, weights=(1e6,) * 12), medium).odd_weight is None
+
+
+def test_a_body_that_one_vertex_holds_hardly_goes() -> None:
+    """As far as the rest of its drag over eps, to within what a gait makes of it: the reason for the limit."""
+    path = Path(__file__).parents[1] / "problems" / "reference.toml"
+    plain = simulate(load(path))
+    held = simulate(load(path, set=["body.weights=[1, 1, 1, 1, 1e5, 1, 1, 1, 1, 1, 1, 1]"]))
+    assert held.trajectory.displacement < 0.01 * plain.trajectory.displacement

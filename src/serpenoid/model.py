@@ -19,6 +19,7 @@ from serpenoid.medium import Medium
 from serpenoid.wording import listed
 
 UNEVEN = 1.2  # times as heavy per length: more than the spread of a well-made robot's modules
+HOLDS = 0.01  # of what others move about it: an element that is dragged along by less is no part of a body that goes
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,25 @@ class Model:
     def sparse_drag(self) -> str | None:
         """See `Body.sparse_edges`; nothing where drag sits at vertices."""
         return self.body.sparse_edges if self.medium.dissipation == "edge" else None
+
+    @property
+    def odd_weight(self) -> str | None:
+        """A sentence where one element holds the body: drag of all others together cannot drag it along.
+
+        Balance of forces: it moves by at most rest / (eps heaviest) of what the others do about it.
+        """
+        at_edges = self.medium.dissipation == "edge"
+        weights = self.body.edge_weights if at_edges else self.body.vertex_weights
+        heaviest = int(weights.argmax())
+        rest = float(np.delete(weights, heaviest).sum())
+        eps = min(self.medium.anisotropy_ratio, 1.0)
+        if self.body.weights is None or rest > HOLDS * eps * weights[heaviest]:
+            return None
+        times = weights[heaviest] / rest
+        return (
+            f"by `weights` {self.medium.dissipation} {heaviest} has {times:.2g} times the drag of all "
+            "others together, and holds the body where it is. Is one of the numbers too large?"
+        )
 
     @property
     def _odd_weights(self) -> tuple[str, ...]:

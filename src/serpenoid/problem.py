@@ -275,7 +275,8 @@ class Problem(Record):
 
     @property
     def odd_units(self) -> tuple[str, ...]:
-        """What looks to be told in another unit, as sentences: lengths, limits and mass of the body, seconds, turns."""
+        """What looks to be told in another unit, or is far from any body, as sentences: lengths, limits, mass and
+        weights of the body, its drag, seconds, turns."""
         headings = [t for t in self.task.objectives if isinstance(t, Heading)]
         turns = [("[[task.objectives]] target_rad", t.target_rad / t.cycles) for t in headings]
         turns += [("task.constraints.heading_change_rad", self.task.constraints.heading_change_rad or 0.0)]
@@ -284,6 +285,7 @@ class Problem(Record):
         far = [(name, turn, when) for name, turn, when in said if abs(turn) > 2 * np.pi]
         return (
             *self.body.odd_units,
+            *(said for said in (self.medium.odd_ratio, self.model.odd_weight) if said),
             *([] if self.odd_duration is None else [self.odd_duration]),
             *(f"{name}: {turn:g} rad are more than a whole turn{when}. Degrees?" for name, turn, when in far),
         )
