@@ -181,3 +181,24 @@ def test_the_architecture_names_every_module_that_computes() -> None:
         path.stem for path in found if path.parent.name != "consistency" and not path.stem.startswith(("_", "choose_"))
     }
     assert found - said == set()
+
+
+def test_numbers_that_decide_stand_where_the_method_says() -> None:
+    """`module.NAME`, and `NAME` behind it of the same module."""
+    text = (ROOT / "docs" / "diagnosis-method.md").read_text(encoding="utf-8").split("## Numbers that decide")[1]
+    modules: dict[str, str] = {}
+    for path in (ROOT / "src" / "serpenoid").rglob("*.py"):
+        modules[path.stem] = modules.get(path.stem, "") + path.read_text(encoding="utf-8")
+    found = []
+    for row in re.findall(r"^\|.*\|$", text, re.MULTILINE):
+        module = None
+        for said, name in re.findall(r"`(?:([a-z_]+)\.)?([A-Z][A-Z_]+)`", row):
+            module = said or module
+            found.append((module, name))
+    assert len(found) > 50
+    missing = [
+        f"{module}.{name}"
+        for module, name in found
+        if module is None or not re.search(rf"^(?:\w+, )*{name}\b.*=", modules.get(module, ""), re.MULTILINE)
+    ]
+    assert missing == []
