@@ -50,7 +50,8 @@ CAPTIONS = {
     "dashed: what is needed. Wrong candidates can gain much by standing in for the right one, so the best are fitted "
     "in full and compared again; where one was chosen for a while and is not named, the reason is written there.",
     "since-reference": "Without any model: by how much joint angles and paths of the same gaits differ from the "
-    "reference's, each path from its own first pose. Dashed: what repeats differ by, the reference's where it has any.",
+    "reference's, each path from its own first pose. Dashed: what repeats differ by, the reference's where it has any. "
+    "Dotted: noise level of the stage.",
     "next-experiment": "Its joint angles.",
 }
 FIGURES = {
