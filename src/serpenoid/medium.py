@@ -72,7 +72,7 @@ class Medium(Record):
     @classmethod
     def _in_range(cls, value: float) -> float:
         if not LEAST <= value <= MOST:
-            nearly = f"{LEAST:g} is next to no drag lengthwise, and less makes no difference."
+            nearly = f"use a small positive number: {LEAST:g} is next to no drag lengthwise."
             remedy = "swap tangential and normal coefficients?" if value > MOST else nearly
             raise ValueError(f"`anisotropy_ratio` must be from {LEAST:g} to {MOST:g}; {remedy}")
         return value
