@@ -290,7 +290,7 @@ CHECKS = {
 }
 
 
-AT_LEISURE = "gait-a", "gait-c", "five-links", "sidewind-to"  # beside gait-b, snake10 and sidewinding
+AT_LEISURE = "gait-a", "gait-c", "five-links", "sidewind-to", "lamprey-water"  # beside gait-b, snake10 and sidewinding
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n in AT_LEISURE else []) for n in CHECKS])

@@ -54,6 +54,7 @@ def then(folder) -> Diagnosis:
     return diagnosed(short_campaign(folder / "healthy", 21, Hidden()), None, folder / "then")[0]
 
 
+@pytest.mark.slow
 def test_markers_show_a_wrong_zero_without_a_reference(changed):
     _, recordings = read_recordings(changed)
     stage, _ = choose_observation(recordings, Observation.neutral(recordings[0].body))

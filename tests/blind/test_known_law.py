@@ -30,6 +30,7 @@ def campaign(*effects: Effect, tails: int = 1, seed: int = 2) -> Campaign:
     return make(seed, effects, protocol=replace(protocol, settings=tuple(turned)))
 
 
+@pytest.mark.slow
 def test_what_one_gait_alone_tells_is_open_without_it() -> None:
     alone, again = campaign(BACKWARD), campaign(BACKWARD, tails=2)
     one, two = known_law(alone), known_law(again)

@@ -59,6 +59,7 @@ def test_films_of_two_zooms_have_scales_of_their_own_and_k_is_that_of_known_ones
     assert scales < max(one, other)  # errors of two scales make less of the mean
 
 
+@pytest.mark.slow
 def test_to_first_order_is_what_a_fit_of_a_larger_film_says(tmp_path: Path) -> None:
     campaign = films(tmp_path / "c", (PIXELS,))
     trial, times = campaign.trials[0], 4.0

@@ -47,7 +47,7 @@ def told(folder: Path, points: np.ndarray, unit: str, body: str) -> np.ndarray:
     return np.array([*drag_ratio(found, model), found.noise_scale])
 
 
-@pytest.mark.parametrize(("unit", "body"), [("m", ""), ("px", "length_m = 0.5\n")])
+@pytest.mark.parametrize(("unit", "body"), [pytest.param("m", "", marks=pytest.mark.slow), ("px", "length_m = 0.5\n")])
 def test_k_and_its_interval_are_the_same_however_the_film_lies(tmp_path: Path, unit: str, body: str) -> None:
     points = seen()[1] * (500 if unit == "px" else 1)
     plain = told(tmp_path / "plain", points, unit, body)

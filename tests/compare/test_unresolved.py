@@ -46,6 +46,7 @@ def at_random(way: str, seed: int) -> np.ndarray:
     return np.cumsum(points - 50, axis=0) if way == "walks" else points
 
 
+@pytest.mark.slow
 def test_noise_of_half_an_edge_about_a_moving_body_is_no_reason_to_refuse(tmp_path: Path) -> None:
     _, seen, _ = Curve(6.0, 1.2, 0.8).film(POINTS, 60, 2.0)
     noise = np.random.default_rng(0).normal(0, 0.5 / (POINTS - 1), seen.shape)

@@ -57,6 +57,7 @@ def selected(folder: Path, hide: str | Sequence[Effect], named: str, base: Seque
     return Selection(best, (null,), best, (), (), motion, null, 1.0, ())
 
 
+@pytest.mark.slow
 def test_a_pull_at_one_vertex_is_no_slope_and_the_vertex_is_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -146,8 +146,7 @@ def test_markers_of_held_out_gaits_are_best_predicted_with_the_hidden_effect(hid
     assert min(left, key=lambda k: left[k]) == (hidden.name, hidden.place)
 
 
-# one of each kind always: of one vertex, of the floor, of time
-ALWAYS = "worn_wheel", "friction_patch", "inertia"
+ALWAYS = ("worn_wheel",)  # patches and inertia: test_diagnose_places.py, test_diagnose_swimmers.py
 MOTIONS = [pytest.param(e, id=e.name, marks=[] if e.name in ALWAYS else pytest.mark.slow) for e in MOTION]
 
 

@@ -87,6 +87,7 @@ def undecided(tmp_path_factory: pytest.TempPathFactory) -> MotionFinding:
     return motion(tmp_path_factory.mktemp("gradient"), 972, GRADIENT)
 
 
+@pytest.mark.slow
 def test_gradient_and_wide_patch_are_one_group(undecided: MotionFinding) -> None:
     assert {("friction_gradient", None), ("friction_patch", None)} <= members(undecided.stage)
     assert all(s.rival.separation < 3 for s in undecided.swaps)

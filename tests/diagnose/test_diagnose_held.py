@@ -71,6 +71,7 @@ def followed(recordings: tuple[Recording, ...]) -> tuple[Recording, ...]:
     return _carried(recordings)[0]
 
 
+@pytest.mark.slow
 def test_where_rows_jump_a_trial_begins_where_readings_meet_what_servos_do(
     recordings: tuple[Recording, ...], followed: tuple[Recording, ...]
 ) -> None:

@@ -18,6 +18,7 @@ from serpenoid.diagnose.stages.actuation.choose_actuation import choose_actuatio
 from serpenoid.diagnose.stages.actuation.choose_set_points import plays
 from serpenoid.diagnose.stages.actuation.law_by_trial import law_by_trial, of_trial
 from serpenoid.diagnose.stages.actuation.plays import Plays
+from serpenoid.diagnose.stages.by_trial import by_gait
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.measure.logs import TICK
 
@@ -76,6 +77,24 @@ def test_a_step_or_a_scatter_is_no_steady_change(recordings: tuple[Recording, ..
     assert found is not None
     assert not found.steady
     assert found.words.startswith("servo_lag differs from trial to trial: ")
+
+
+def test_two_values_that_go_with_gaits_divide_no_trials(recordings: tuple[Recording, ...]) -> None:
+    """A servo that is weak under load lags more in one gait than in another: no law, and no trial that changed."""
+    by_round = tuple(recordings[i] for i in (0, 2, 1, 3))
+    assert by_round[0].setting == by_round[2].setting != by_round[1].setting
+    found = law_by_trial(lagging(by_round, [0.03, 0.11, 0.045, 0.125]), [LAG], [LAG])
+    assert found is not None
+    assert found.divided is None
+    assert found.words.startswith("servo_lag differs from gait to gait: ")
+    assert found.of_others(["servo_lag would leave 35%: not its law"])
+
+
+@pytest.mark.parametrize(("sides", "gaits"), [("abab", True), ("aabb", False), ("abba", False), ("abaa", False)])
+def test_gaits_are_told_from_a_moment(sides: str, gaits: bool) -> None:
+    names = ["one-1", "two-1", "one-2", "two-2"]
+    changed = [n for n, side in zip(names, sides, strict=True) if side == "b"]
+    assert by_gait(changed, names, ["one", "two", "one", "two"]) is gaits
 
 
 def test_what_weakens_every_joint_alike_is_told_of_all_together(recordings: tuple[Recording, ...]) -> None:

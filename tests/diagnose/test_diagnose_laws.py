@@ -102,6 +102,7 @@ def test_quadratic_drag_is_told_of_where_it_is_the_law(dragged: tuple[Motion, Fi
     )
 
 
+@pytest.mark.slow
 def test_a_law_that_leaves_more_than_what_is_named_is_told_so(
     dragged: tuple[Motion, Fit], monkeypatch: pytest.MonkeyPatch
 ) -> None:

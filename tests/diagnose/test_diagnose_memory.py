@@ -235,7 +235,7 @@ def beside(earlier: Motion, later: Motion, recurs: bool) -> tuple[Motion, list[A
     return replace(later, tracks=tuple(tracks)), predictions
 
 
-@pytest.mark.parametrize("time", [0.0, 1.0])
+@pytest.mark.parametrize("time", [pytest.param(0.0, marks=pytest.mark.slow), 1.0])
 def test_paths_beside_those_of_earlier_trials_stray_by_the_noise_of_both(time: float) -> None:
     """What was seen in a window of an earlier trial had its own chance in each cycle: as if it recurred in every cycle,
     it would add up to a noise level that hides changes."""

@@ -42,6 +42,7 @@ def since(then: Sequence[Effect], now: Sequence[Effect], folder: Path) -> dict[s
     return json.loads((folder / "out" / "diagnosis.json").read_text())
 
 
+@pytest.mark.slow
 def test_what_is_gone_since_the_reference_has_its_name(tmp_path: Path) -> None:
     found = since(FAULTS, [], tmp_path)
     assert found["verdict"] == "explained"

@@ -256,6 +256,7 @@ def _lagging(r: Recording) -> Recording:
     return replace(r, position=np.round(done / TICK) * TICK)
 
 
+@pytest.mark.slow
 def test_an_interval_holds_what_a_change_changes_of_the_habit_of_readings(followed: tuple[Recording, ...]) -> None:
     """The joint lags behind what it did, not behind its command, as the law has it."""
     model, unknown = Model(followed[0].body, Medium(anisotropy_ratio=0.2)), np.ones(3)

@@ -130,6 +130,7 @@ def test_servos_that_do_as_they_are_told_have_neither(recordings: tuple[Recordin
     assert not stage.named
 
 
+@pytest.mark.slow
 def test_inertia_is_told_from_a_late_start_where_nothing_says_when_a_trial_began(
     recordings: tuple[Recording, ...],
 ) -> None:

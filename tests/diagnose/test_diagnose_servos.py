@@ -205,6 +205,7 @@ def filmed(r: Recording, change: Callable[[np.ndarray, np.ndarray], np.ndarray],
     return replace(r, position=true + noise * rng.normal(size=true.shape), by_servos=False, t0_spread=unsure)
 
 
+@pytest.mark.slow
 def test_a_zero_that_is_off_hides_no_other_fault_of_what_markers_show(four: tuple[Recording, ...]) -> None:
     def change(time: np.ndarray, told: np.ndarray) -> np.ndarray:
         return told * [1, 1, 1, 1, 0.8, 1] + [0, 0.15, 0, 0, 0, -0.1]
@@ -219,6 +220,7 @@ def test_a_zero_that_is_off_hides_no_other_fault_of_what_markers_show(four: tupl
     assert stage.left > 5
 
 
+@pytest.mark.slow
 def test_a_lag_that_hides_in_the_noise_of_markers_is_played_all_the_same(four: tuple[Recording, ...]) -> None:
     """It moves paths by far more than their noise: shapes are splines about what servos are expected to do."""
     lag = 0.05
@@ -444,6 +446,7 @@ def test_what_a_joint_is_always_off_by_is_told_in_degrees(
     assert elsewhere.endswith("the reading's noise")  # not by a constant
 
 
+@pytest.mark.slow
 def test_a_log_that_is_late_at_one_joint_is_told_and_is_no_servo_that_lags(recordings: tuple[Recording, ...]) -> None:
     late = 0.15
 
@@ -529,6 +532,7 @@ def test_a_trial_in_which_servos_are_weak_is_seen_beside_its_repeat_and_named(
     assert f"all joints stray in `{weak.name}` alone, 0.75 times as far as told" in stage.words
 
 
+@pytest.mark.slow
 def test_two_joints_that_are_exchanged_in_one_trial_are_told(recordings: tuple[Recording, ...]) -> None:
     wired, *others = recordings
     order = np.arange(wired.position.shape[1])
@@ -547,6 +551,7 @@ def test_servos_that_tire_from_trial_to_trial_are_told(four: tuple[Recording, ..
     assert said in words
 
 
+@pytest.mark.slow
 def test_a_joint_that_lags_makes_no_other_one_unlike_what_it_is_told(recordings: tuple[Recording, ...]) -> None:
     def lags(r: Recording) -> Recording:
         position = r.position.copy()

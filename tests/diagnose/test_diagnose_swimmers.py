@@ -54,6 +54,7 @@ def test_in_a_swimmer_by_drag_alone_nothing_is_found(seed: int, tmp_path: Path) 
     assert found["anisotropy_ratio"]["after"] == pytest.approx(eps, rel=0.01)  # 0.3 % from smoothed shapes
 
 
+@pytest.mark.slow
 def test_a_swimmer_whose_drag_no_water_has_is_told_so_where_no_file_bounds_it(tmp_path: Path) -> None:
     (water := tmp_path / "water.toml").write_text("[medium]\nanisotropy_ratio = 0.5\n")
     campaign = write(Swimmer(Ground(0.2), 33, SHORT_S), tmp_path / "swim") / "campaign.toml"

@@ -91,9 +91,9 @@ CREEPING = {
     "power_law_drag",
     "rolling_resistance",
 }
-DEAR = "coulomb_plain", "coulomb_by_components"  # beside water
+DEAR = "coulomb_plain", "coulomb_by_components"  # other ways to write what `coulomb` is
 ACTING = [
-    pytest.param(name, law, marks=pytest.mark.slow if name == "added_mass" and law in DEAR else [])
+    pytest.param(name, law, marks=pytest.mark.slow if law in DEAR else [])
     for name in MEDIUM
     for law in LAWS
     if find(name).acts_in(law)

@@ -226,6 +226,7 @@ def test_two_films_exchanged_accuse_the_films_and_not_the_logs(valid, tmp_path):
     assert "`servo_log`" not in str(refusal.value)
 
 
+@pytest.mark.slow
 def test_shapes_of_no_gait_of_the_campaign_are_refused(valid, tmp_path):
     shutil.copytree(valid, tmp_path / "c")
     without_logs(tmp_path / "c")

@@ -38,6 +38,7 @@ def test_single_films_that_are_mirrored_are_told_as_such(mirrored, logs):
     assert [(one.trial, one.cure) for one in found] == [(f"t{k}", MIRRORED) for k in mirrored]
 
 
+@pytest.mark.slow
 def test_where_a_mirrored_film_looks_like_half_a_cycle_later_both_are_told():
     (found,) = check(trials(HALF_TURN, [2], logs=False, count=3), {"gait": HALF_TURN}).contradictions
     assert found.cure == f"{MIRRORED}; or begin the table there: the body rests in its row 20"

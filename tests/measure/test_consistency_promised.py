@@ -92,6 +92,7 @@ def test_who_is_led_to_the_first_row_and_away_from_the_last_is_not_weak(witness)
     assert check([replace(claim, **{witness: led})], {"gait": claim.schedule.table}).remarks == ()
 
 
+@pytest.mark.slow
 def test_nobody_is_weak_of_whom_hardly_a_frame_shows_all_joints():
     """Markers that are often hidden leave bouts of few frames, which many gains meet."""
     claim = witnesses(gait([0, 1, 2, 3, 4]), np.ones(5), "cameras")

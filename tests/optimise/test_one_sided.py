@@ -34,13 +34,16 @@ def robot(family: str, limit: str = ONE_SIDED, *more: str) -> Problem:
     return problem("reference-optimum", *sets)
 
 
+QUICK = "ellipse", "fourier-joints", "table"
+
+
 @lru_cache
 def best(family: str, limit: str = ONE_SIDED) -> Solution:
     """The best of three starts, solved once in a process."""
     return solve(robot(family, limit), starts=3, seed=0).best
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", [pytest.param(f, marks=[] if f in QUICK else pytest.mark.slow) for f in FAMILIES])
 def test_optima_of_joints_to_one_side_keep_it_and_are_certified(family: str) -> None:
     found = best(family)
     assert found.status is Status.SOLVED

@@ -51,6 +51,7 @@ def test_order_two_in_time_for_a_gait_that_slides_throughout() -> None:
     assert abs(work[3] - work[2]) < abs(work[2] - work[1]) / 2 < 5e-3 * work[3]  # it converges without a factor T
 
 
+@pytest.mark.slow
 def test_the_cheapest_slope_of_a_long_wave_falls_with_the_transverse_coefficient_to_the_minus_one_quarter() -> None:
     """Alben (2013): 1 / eps^2 is the side force over the tangential one per slip angle (serpenoid.media.coulomb)."""
     waves, steps, best = 4, 160, []

@@ -64,7 +64,15 @@ def played(angles: Floats, factor: int) -> float:
     return simulate_joint_angles(reference(), finer).displacement
 
 
-@pytest.mark.parametrize("steps", [3, pytest.param(4, marks=pytest.mark.slow), 5, 50])
+@pytest.mark.parametrize(
+    "steps",
+    [
+        pytest.param(3, marks=pytest.mark.slow),
+        pytest.param(4, marks=pytest.mark.slow),
+        5,
+        pytest.param(50, marks=pytest.mark.slow),
+    ],
+)
 def test_one_joint_goes_nowhere_whatever_coarse_steps_say(steps: int) -> None:
     result = solve(problem(*ONE_JOINT, f"task.steps={steps}"), starts=2, seed=1)
     assert not result.optima

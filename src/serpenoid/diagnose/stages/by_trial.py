@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Hashable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -83,6 +83,14 @@ def divided(effects: Sequence[ActiveEffect], names: Sequence[str], words: str) -
     ]
     where = alone(changed, others)
     return Divided(f"{effects[0].called} is another in {where}: {', and '.join(runs)}", changed, others)
+
+
+def by_gait(changed: Collection[str], names: Sequence[str], settings: Sequence[Hashable]) -> bool:
+    """Whether sides are gaits and not trials: each setting's trials are all on one side, and in the order in which they
+    were played they change sides more often than what begins (once), or begins and goes again (twice)."""
+    sides = [n in changed for n in names]
+    of_setting = {(s, side) for s, side in zip(settings, sides, strict=True)}
+    return len(of_setting) == len(set(settings)) and sum(a != b for a, b in pairwise(sides)) > 2
 
 
 def two_values(values: Floats) -> list[bool] | None:

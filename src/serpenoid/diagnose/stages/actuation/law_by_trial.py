@@ -19,7 +19,7 @@ from serpenoid.diagnose.inference.doubt.law_error import LAW_ERROR, ON_A_LINE
 from serpenoid.diagnose.inference.fits.finding import VISIBLE
 from serpenoid.diagnose.stages.actuation.actuation_by_joint import fit_everywhere
 from serpenoid.diagnose.stages.actuation.plays import Plays
-from serpenoid.diagnose.stages.by_trial import ByTrial, divided, said_by_trial
+from serpenoid.diagnose.stages.by_trial import ByTrial, by_gait, divided, said_by_trial
 from serpenoid.effects.active import ActiveEffect
 from serpenoid.parallel import in_processes
 
@@ -54,6 +54,8 @@ def law_by_trial(data: Plays, found: Sequence[ActiveEffect], suspects: Sequence[
     if len(effects[0]) > 1 or said.steady:
         return said
     sides = divided([e for (e,) in effects], names, said.words)
+    if by_gait(sides.changed, names, [r.setting for r in data.recordings]):  # another law: repeats agree about it
+        return replace(said, words=said.words.replace("from trial to trial", "from gait to gait"), called=())
     return replace(said, divided=sides if sides.changed else None)
 
 
