@@ -159,11 +159,12 @@ def test_two_joints_that_are_exchanged_in_the_log_of_one_trial_are_told_of_that_
 
 
 @pytest.mark.parametrize("exchanged", [True, False])
-def test_readings_that_follow_the_table_before_the_commands_do_are_the_commands(exchanged):
+@pytest.mark.parametrize(("late", "reach"), [(0.04, 1.0), (0.15, 0.8)])  # the second servo is weak: nothing fits closely
+def test_readings_that_come_before_the_commands_are_the_commands(exchanged, late, reach):
     trial = claim(lambda a: a, "", "lm", 5)
     time = trial.servos.time_s
     told = trial.schedule.commanded(time - 90)
-    read = trial.schedule.commanded(time - 90.04) + np.random.default_rng(1).normal(0, 0.002, told.shape)
+    read = reach * trial.schedule.commanded(time - 90 - late) + np.random.default_rng(1).normal(0, 0.002, told.shape)
     first, second = (told, read) if exchanged else (read, told)
     found = check([replace(trial, servos=Signal(time, first), commands=Signal(time, second))], {}).contradictions
     assert [one.kind for one in found] == ["exchanged"] * exchanged
