@@ -159,7 +159,7 @@ def test_two_joints_that_are_exchanged_in_the_log_of_one_trial_are_told_of_that_
 
 
 @pytest.mark.parametrize("exchanged", [True, False])
-@pytest.mark.parametrize(("late", "reach"), [(0.04, 1.0), (0.15, 0.8)])  # the second servo is weak: nothing fits closely
+@pytest.mark.parametrize(("late", "reach"), [(0.04, 1.0), (0.15, 0.8)])  # or a weak servo
 def test_readings_that_come_before_the_commands_are_the_commands(exchanged, late, reach):
     trial = claim(lambda a: a, "", "lm", 5)
     time = trial.servos.time_s
