@@ -146,7 +146,7 @@ def test_markers_of_held_out_gaits_are_best_predicted_with_the_hidden_effect(hid
     assert min(left, key=lambda k: left[k]) == (hidden.name, hidden.place)
 
 
-ALWAYS = ("worn_wheel",)  # patches and inertia: test_diagnose_places.py, test_diagnose_swimmers.py
+ALWAYS = "worn_wheel", "inertia"  # of one vertex, of time; a patch of the floor: test_diagnose_places.py
 MOTIONS = [pytest.param(e, id=e.name, marks=[] if e.name in ALWAYS else pytest.mark.slow) for e in MOTION]
 
 

@@ -91,7 +91,7 @@ CREEPING = {
     "power_law_drag",
     "rolling_resistance",
 }
-DEAR = "coulomb_plain", "coulomb_by_components"  # other ways to write what `coulomb` is
+DEAR = "coulomb_plain", "coulomb_by_components"  # softened and in the units of `coulomb`, which is always tried
 ACTING = [
     pytest.param(name, law, marks=pytest.mark.slow if law in DEAR else [])
     for name in MEDIUM
