@@ -20,11 +20,10 @@ from serpenoid.cli.asked import INPUTS, asked, difference
 from serpenoid.errors import InputError
 from serpenoid.files.alone import LOCK, alone
 from serpenoid.files.inputs import RECORDING_BYTES, read_bytes, read_json
-from serpenoid.files.writing import EARLIER, atomic, clear_unfinished, short_hash, write_json
+from serpenoid.files.writing import CHAIN, EARLIER, atomic, clear_unfinished, short_hash, write_json
 
 REQUEST = "request.json"
 AT_WORK = "unfinished"  # its key until the command has ended
-CHAIN = "chain"  # what folders of solved points begin with (optimise/chain_store)
 ASKED = "arguments"  # its key of what the command was given
 TABLES = "joint_table.csv", "trajectory.csv"  # that somebody may have made by hand, and play from where they are
 # what tells a folder of results from any other
@@ -180,9 +179,14 @@ def _words(folder: Path, held: list[str], request: dict[str, Any]) -> str:
 
 def _kept(args: argparse.Namespace, folder: Path) -> str:
     """What --force leaves where it is, for the next answer of the same verb."""
-    if _verb(folder) != args.verb or not any(folder.glob(f"{CHAIN}*/*.npz")):
+    if _verb(folder) != args.verb or not has_solved(folder):
         return ""
     return "; what is solved there stays, and is not solved again where this command asks for it, too"
+
+
+def has_solved(folder: Path) -> bool:
+    """Whether a results folder keeps solved points of a sweep or of many starts."""
+    return any((folder / CHAIN).glob("*.npz"))
 
 
 def _aside(folder: Path) -> Path:

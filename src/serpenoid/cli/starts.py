@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from serpenoid.cli.claim import has_solved
 from serpenoid.wording import FOUND_ONCE, listed, some_and_more
 
 if TYPE_CHECKING:
@@ -35,9 +36,7 @@ def summary(result: MultiStart, starts: int, seed: int) -> dict[str, Any]:
 
 def left_in(folders: Sequence[Path], what: str) -> str:
     """What of its points, or starts, a command that was stopped has solved, and how to go on."""
-    from serpenoid.optimise.chain_store import CHAIN
-
-    kept = [str(folder) for folder in folders if any((folder / CHAIN).glob("*.npz"))]
+    kept = [str(folder) for folder in folders if has_solved(folder)]
     if not kept:
         return f"No {what} was solved yet; the same command begins anew."
     return f"Solved {what}s are kept in {listed(kept)}; the same command goes on from there."

@@ -18,6 +18,7 @@ from typing import Any
 ESCAPED = "backslashreplace"  # how a file's name in no encoding of the system stands in a text that is UTF-8
 UNFINISHED = ".writing-"
 EARLIER = "earlier-"  # begins the folder of what --force moved aside
+CHAIN = "chain"  # the folder of solved points within a results folder
 
 
 @contextmanager

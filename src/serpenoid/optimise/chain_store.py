@@ -12,7 +12,7 @@ import numpy as np
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
 from serpenoid.files.inputs import read_bytes
-from serpenoid.files.writing import atomic, short_hash
+from serpenoid.files.writing import CHAIN, atomic, short_hash
 from serpenoid.optimise.clear.clearance import Clearance
 from serpenoid.optimise.clear.watch import Watch, Watched
 from serpenoid.optimise.ipopt import Outcome, Point
@@ -20,7 +20,6 @@ from serpenoid.optimise.program.prepared import Carried
 from serpenoid.optimise.solver import Answer, GaitSolver
 from serpenoid.status import Status
 
-CHAIN = "chain"  # the folder of solved points within a results folder
 STATIONARY = 1e-8  # what a certificate asks for
 
 

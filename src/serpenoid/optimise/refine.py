@@ -13,7 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from serpenoid.optimise.chain_store import CHAIN, ChainStore
+from serpenoid.files.writing import CHAIN
+from serpenoid.optimise.chain_store import ChainStore
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
 from serpenoid.optimise.multistart import MultiStart, solve_one
 from serpenoid.optimise.robust import solver_of

@@ -17,7 +17,8 @@ import numpy as np
 
 from serpenoid.body import Floats
 from serpenoid.errors import InputError
-from serpenoid.optimise.chain_store import CHAIN, ChainStore
+from serpenoid.files.writing import CHAIN
+from serpenoid.optimise.chain_store import ChainStore
 from serpenoid.optimise.interrupt import StopFlag, catch_interrupt
 from serpenoid.optimise.multistart import as_solution
 from serpenoid.optimise.refine import kept_in, refine

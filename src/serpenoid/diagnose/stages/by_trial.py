@@ -35,8 +35,11 @@ class ByTrial:
         return tuple(w for w in refused if not any(w.startswith(f"{e} would") for e in self.called))
 
 
-def said_by_trial(effects: Sequence[Sequence[ActiveEffect]], names: Sequence[str], joints: int) -> ByTrial:
-    """How values of an effect, in the mean of several joints, run from trial to trial; joints: of the body."""
+def said_by_trial(
+    effects: Sequence[Sequence[ActiveEffect]], names: Sequence[str], joints: int, unit: str = "trial"
+) -> ByTrial:
+    """How values of an effect, in the mean of several joints, run from trial to trial; joints: of the body; unit: what
+    they differ by."""
     of = effects[0][0]
     numbers = [[np.mean([e.parameters[p.name] for e in some]) for p in of.effect.parameters] for some in effects]
     values, units = np.array(numbers), [p.unit for p in of.effect.parameters]
@@ -49,7 +52,7 @@ def said_by_trial(effects: Sequence[Sequence[ActiveEffect]], names: Sequence[str
     how = "changes steadily" if steady else "differs"
     where = "all joints" if len(effects[0]) == joints else f"joints {listed([str(e.place) for e in effects[0]])}"
     called, mean = (of.called, "") if len(effects[0]) == 1 else (f"{of.name} at {where}", " in the mean")
-    words = f"{called} {how} from trial to trial: {', and '.join(runs)}{mean}"
+    words = f"{called} {how} from {unit} to {unit}: {', and '.join(runs)}{mean}"
     return ByTrial(words, steady, tuple(e.called for e in effects[0]))
 
 
@@ -88,9 +91,13 @@ def divided(effects: Sequence[ActiveEffect], names: Sequence[str], words: str) -
 def by_gait(changed: Collection[str], names: Sequence[str], settings: Sequence[Hashable]) -> bool:
     """Whether sides are gaits and not trials: each setting's trials are all on one side, and in the order in which they
     were played they change sides more often than what begins (once), or begins and goes again (twice)."""
-    sides = [n in changed for n in names]
-    of_setting = {(s, side) for s, side in zip(settings, sides, strict=True)}
-    return len(of_setting) == len(set(settings)) and sum(a != b for a, b in pairwise(sides)) > 2
+    of_setting = {(s, n in changed) for s, n in zip(settings, names, strict=True)}
+    return len(of_setting) == len(set(settings)) and changes_of_side(changed, names) > 2
+
+
+def changes_of_side(changed: Collection[str], names: Sequence[str]) -> int:
+    """How often trials, in the order in which they were played, change from one side to the other."""
+    return sum((a in changed) != (b in changed) for a, b in pairwise(names))
 
 
 def two_values(values: Floats) -> list[bool] | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from serpenoid.diagnose.stages.actuation.gone import as_neutral
 from serpenoid.diagnose.stages.actuation.law_by_trial import law_by_trial
 from serpenoid.diagnose.stages.actuation.plays import Plays
 from serpenoid.diagnose.stages.actuation.trials_astray import trials_astray
-from serpenoid.diagnose.stages.by_trial import ByTrial
+from serpenoid.diagnose.stages.by_trial import ByTrial, changes_of_side
 from serpenoid.effects.active import ActiveEffect, of_key
 from serpenoid.effects.base import ActuationEffect
 from serpenoid.files.store import remembered
@@ -161,8 +160,7 @@ def _divided(best: Played, bare: Played, joint: int, law: ByTrial | None) -> Div
 def _fewer_moments(best: Played, one: Divided, other: Divided) -> bool:
     """Whether one way to divide trials, in the order in which they were played, changes sides less often."""
     names = [r.name for r in best.data.recordings]
-    first, second = (sum((a in d.changed) != (b in d.changed) for a, b in pairwise(names)) for d in (one, other))
-    return first < second
+    return changes_of_side(one.changed, names) < changes_of_side(other.changed, names)
 
 
 def _unlike(best: Played, joint: int, left: float) -> str:

@@ -50,12 +50,13 @@ def law_by_trial(data: Plays, found: Sequence[ActiveEffect], suspects: Sequence[
     if len(acts) < ON_A_LINE:
         return None
     joints, names = data.readings.shape[1], [r.name for r in data.recordings]
-    said = said_by_trial([effects[t] for t in acts], [names[t] for t in acts], joints)
+    told = [effects[t] for t in acts], [names[t] for t in acts], joints
+    said = said_by_trial(*told)
     if len(effects[0]) > 1 or said.steady:
         return said
     sides = divided([e for (e,) in effects], names, said.words)
     if by_gait(sides.changed, names, [r.setting for r in data.recordings]):  # another law: repeats agree about it
-        return replace(said, words=said.words.replace("from trial to trial", "from gait to gait"), called=())
+        return replace(said_by_trial(*told, unit="gait"), called=())
     return replace(said, divided=sides if sides.changed else None)
 
 
